@@ -67,7 +67,7 @@ void check_values(MapReader& map, const GatewayRow& row, const Protocol& protoco
     return map.fault("at", address.error().what, address.error().allowed,
                      address.error().suggestion);
   const Area& area = protocol.areas()[address->area];
-  const Encoding encoding{.type = row.type, .bit = address->bit};
+  const Encoding encoding = with_form_of(*address, {.type = row.type});
   if (const auto misfit = check_fit(row.at, *address, area, encoding))
     return map.fault("at", misfit->what, misfit->allowed, misfit->suggestion);
   const std::uint64_t values = row.count;

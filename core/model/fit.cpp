@@ -135,6 +135,17 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   return std::nullopt;
 }
 
+Encoding with_form_of(const ParsedAddress& address, Encoding encoding) {
+  if (address.bit) encoding.bit = address.bit;
+  const bool number = encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
+  if (number && !is_bcd(encoding.type) && address.text_number) {
+    encoding.text_number = address.text_number;
+    encoding.string_bytes = address.text_characters;
+  }
+  encoding.counted = address.counted_text;
+  return encoding;
+}
+
 std::optional<Encoding> fixed_type(const ParsedAddress& address, const Area& area) {
   if (address.bit || address.width_bits == 1u || area.item_bits == 1)
     return Encoding{ValueType::kBool};

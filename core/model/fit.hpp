@@ -33,6 +33,10 @@ struct FitFault {
 // whole item could undo a write of the device.
 [[nodiscard]] std::optional<std::string> why_no_byte_write(std::string_view at, const Area& area);
 
+// The encoding with the form that the address has: its bit, a number as text, a string with its
+// lengths.
+[[nodiscard]] Encoding with_form_of(const ParsedAddress& address, Encoding encoding);
+
 // The type of a value from its address, for the configuration and for commands. Pure functions.
 
 // The type fixed by the family: bool for a bit, float32 for `float32:12` in DTC, bcd16 for T5 in

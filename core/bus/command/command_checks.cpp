@@ -31,13 +31,7 @@ tl::expected<Encoding, CommandFault> encoding_of(const AddressTarget& target,
   Encoding encoding = target.encoding;
   if (address.bit && encoding.bit && *address.bit != *encoding.bit)
     return fault(Cause::kWrongType, "the bit is named twice: '" + target.at + "' has one already");
-  if (address.bit) encoding.bit = address.bit;
-  const bool number = encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
-  if (number && !is_bcd(encoding.type) && address.text_number) {
-    encoding.text_number = address.text_number;
-    encoding.string_bytes = address.text_characters;
-  }
-  encoding.counted = address.counted_text;
+  encoding = with_form_of(address, encoding);
   if (encoding.word_order == WordOrder::kBigEndian) encoding.word_order = area.word_order;
   if (encoding.is_text() && encoding.byte_order == ByteOrder::kBigEndian)
     encoding.byte_order = area.text_order;

@@ -30,7 +30,8 @@ operations:
       - { name: weight, is: value, text: "+000.00" }
       - { name: label, is: value, text: 4 }
       - { name: tare, is: value, bytes: 2, signed: true }
-      - { is: checksum, kind: crc16-modbus, of: start..tare, bytes: 2 }
+      - { name: drift, is: value, text: "000" }
+      - { is: checksum, kind: crc16-modbus, of: start..drift, bytes: 2 }
   - name: set
     write: state
     request:
@@ -66,6 +67,44 @@ TEST_F(RecordTest, AValueHasTheTypeOfItsField) {
   EXPECT_EQ(type_of("label"), "string(4)");
   EXPECT_EQ(type_of("tare"), "int16");
   EXPECT_EQ(type_of("tare.3"), "bool");
+}
+
+TEST_F(RecordTest, ATextNumberIsAsLongAsItsText) {
+  EXPECT_EQ(type_of("drift"), "float64");
+  const auto ended = read({.line = line(), .addresses = {"drift"}});
+  EXPECT_EQ(ended.code, ExitCode::kFailed) << "the device does not respond: " << ended.err;
+}
+
+TEST_F(RecordTest, LongNumbersAndTextsAreAddresses) {
+  const auto fault_of = [&](const std::string& protocol, const std::string& address) {
+    LineOptions options = DirectTest::line();
+    options.protocol = protocol;
+    options.address = address;
+    std::ostringstream err;
+    const auto named = named_protocol(protocol, "read", err);
+    if (!named) return err.str();
+    const auto bus = bus_of(options, *named);
+    return bus ? std::string() : bus.error();
+  };
+  EXPECT_EQ(fault_of("dlt645-2007", "112233445566"), "");
+  EXPECT_EQ(fault_of("m-bus-secondary", "00001234"), "");
+  EXPECT_EQ(fault_of("m-bus-secondary", "12345678"), "");
+  const std::string named = (folder / "named.yaml").string();
+  std::ofstream(named) << R"(
+summary: a scale with a name
+addresses: { text: 2 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ is: address, text: 2 }, { name: ask, constant: "?" }]
+    answer: [{ is: address, text: 2 }, { name: tell, constant: "=" }, { name: weight, is: value, text: "000" }]
+)";
+  EXPECT_EQ(fault_of(named, "Q7"), "");
+  EXPECT_THAT(fault_of(named, "Q77"), HasSubstr("address 'Q77' is outside"));
+  EXPECT_THAT(fault_of("dlt645-2007", "1122334455667"), HasSubstr("address '1122334455667' is"));
+  EXPECT_EQ(fault_of("dlt645-2007", "a1"), "--address 'a1' is no number 0 to 65535");
+  EXPECT_EQ(fault_of("modbus-rtu", "65536"), "--address '65536' is no number 0 to 65535");
 }
 
 TEST_F(RecordTest, AValueHasNoNeighbours) {

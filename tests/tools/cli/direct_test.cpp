@@ -111,7 +111,7 @@ TEST_F(DirectTest, TheEndOfTheAddressesIsSaid) {
 
 TEST_F(DirectTest, AnAddressThatNoDeviceHasIsSaidByItsOption) {
   LineOptions options = line();
-  options.address = 248;
+  options.address = "248";
   const auto ended = read({.line = options, .addresses = {"holding:1"}});
   EXPECT_EQ(ended.code, ExitCode::kUsage);
   EXPECT_THAT(ended.err, HasSubstr("--address: address 248 is outside"));

@@ -13,6 +13,7 @@
 #include "config/sections/port.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/port_spec.hpp"
+#include "core/protocol/option_reader.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/text/output.hpp"
 
@@ -140,9 +141,21 @@ std::optional<CommandResult> DirectBus::run(fieldcast::Command command,
 namespace {
 
 constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;
-constexpr std::uint32_t kHighestAddress = 65535;
 
 bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }
+
+// Empty if the protocol has no such address. Only declared protocols have texts and long numbers.
+std::optional<DeviceLink> address_of(const std::string& text,
+                                     const declared::Declaration* declaration) {
+  DeviceLink link;
+  const auto number = whole_number(text);
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  const bool in_range = number && *number <= UINT16_MAX;
+  if (in_range) link.address = static_cast<std::uint16_t>(*number);
+  if (declaration != nullptr && (declaration->address_characters != 0 || (digits && !in_range)))
+    link.long_address = text;
+  return in_range || !link.long_address.empty() ? std::optional(link) : std::nullopt;
+}
 
 tl::expected<std::map<std::string, std::string>, std::string> settings_of(
     const LineOptions& options) {
@@ -173,7 +186,7 @@ void add_line_options(CommandLine& line, LineOptions& options) {
   line.number("--baud", options.baud, kLowestBaud, kHighestBaud,
               "Of the line (what the protocol's devices have from the factory)");
   line.text("--format", options.format, "Data bits, parity, stop bits: 8N1, 8E1, 7E2, ..");
-  line.number("--address", options.address, 0, kHighestAddress, "Of the device (1)");
+  line.text("--address", options.address, "Of the device (1)");
   line.texts("--set", options.settings, "NAME=VALUE: an option of the protocol; once for each")
       .one_each();
   line.duration("--timeout", options.timeout, CommandLine::kShortest,
@@ -233,7 +246,11 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
   device.timeout = options.timeout;
   device.retries = options.retries;
   device.allow_raw_read = device.allow_raw_write = true;
-  device.link.address = static_cast<std::uint16_t>(options.address);
+  const auto address = address_of(options.address, protocol.declaration.value.get());
+  if (!address)
+    return tl::unexpected(
+        fmt::format("--address '{}' is no number 0 to 65535", printable(options.address)));
+  device.link = *address;
   auto settings = settings_of(options);
   if (!settings) return tl::unexpected(std::move(settings.error()));
   device.link.options = *std::move(settings);
@@ -245,7 +262,8 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
                                       printable(fault.what), fault.allowed));
   }
   const Traits& traits = (*made)->traits();
-  if (options.address < traits.lowest_address || options.address > traits.highest_address)
+  if (device.link.long_address.empty() &&
+      (device.link.address < traits.lowest_address || device.link.address > traits.highest_address))
     return tl::unexpected(fmt::format("--address {}: devices of {} have {} to {}", options.address,
                                       protocol.name(), traits.lowest_address,
                                       traits.highest_address));

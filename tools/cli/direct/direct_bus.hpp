@@ -62,8 +62,8 @@ struct LineOptions {
   std::string protocol;  // empty: modbus-rtu, or modbus-tcp for HOST:PORT
   // Default: the factory settings of the protocol's devices.
   std::optional<std::uint32_t> baud;
-  std::string format;  // "8N1"
-  std::uint32_t address = 1;
+  std::string format;         // "8N1"
+  std::string address = "1";  // of the device; declared protocols also have long ones and texts
   std::vector<std::string> settings;  // "NAME=VALUE": options of the protocol
   Duration timeout = std::chrono::milliseconds{500};
   std::uint32_t retries = 1;

@@ -54,7 +54,7 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
   const auto encoding = parse_type(wanted.type);
   if (!encoding) return tl::unexpected(encoding.error());
   wanted.encoding = *encoding;
-  wanted.encoding.counted = parsed->counted_text;
+  wanted.encoding = with_form_of(*parsed, wanted.encoding);
   wanted.value_items = item_count(wanted.encoding, wanted.item_bits);
   const Area& area = protocol.areas()[parsed->area];
   if (!parsed->bit && options.count > 1 && is_field(*parsed))
