@@ -208,10 +208,10 @@ class Matcher {
       if (const auto stated = given_size()) {
         size = *stated;
       } else {
-        const auto end =
-            std::ranges::find(rest(), field.transform.meant(terminator(fields_[at_ + 1])));
+        const Bytes mark = mark_behind(field, fields_[at_ + 1]);
+        const auto end = std::search(rest().begin(), rest().end(), mark.begin(), mark.end());
         size = static_cast<std::size_t>(end - rest().begin());
-        if (end == rest().end() && size <= field.text_size) {
+        if (end == rest().end() && size < field.text_size + mark.size()) {
           part();
           result_.missing = 1;
           return false;
@@ -271,8 +271,11 @@ class Matcher {
       record_[from + i] = (*found)[i];
   }
 
-  static std::uint8_t terminator(const Field& field) {
-    return field.transform.sent(constant_characters(field).front());
+  // The characters of the constant, as they would be read in `field`.
+  static Bytes mark_behind(const Field& field, const Field& constant) {
+    Bytes mark = constant_characters(constant);
+    for (std::uint8_t& each : mark) each = field.transform.meant(constant.transform.sent(each));
+    return mark;
   }
 
   void value(const Field& field, std::uint64_t number) {

@@ -74,10 +74,12 @@ class Reader {
     }
     if (field.variable && index + 1 < frame_.fields.size() && at < bytes_.size()) {
       const Field& next = frame_.fields[index + 1];
-      const Bytes mark = next.kind == FieldKind::kConstant ? constant_characters(next) : Bytes{};
+      Bytes mark = next.kind == FieldKind::kConstant ? constant_characters(next) : Bytes{};
+      for (std::uint8_t& each : mark) each = next.transform.sent(each);
       const auto rest = bytes_.subspan(at);
-      const auto end =
-          mark.empty() ? rest.end() : std::ranges::find(rest, next.transform.sent(mark.front()));
+      const auto end = mark.empty()
+                           ? rest.end()
+                           : std::search(rest.begin(), rest.end(), mark.begin(), mark.end());
       if (end != rest.end()) return static_cast<std::size_t>(end - rest.begin());
     }
     if (field.kind == FieldKind::kItems || field.variable) return elastic_;

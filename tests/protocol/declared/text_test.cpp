@@ -115,6 +115,44 @@ TEST(DeclaredText, ATextEndsAtItsMark) {
   EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
 }
 
+// Vaisala PTU300 in POLL mode, user's guide M210796EN: the text and its end mark begin alike.
+constexpr std::string_view kWeather = R"(
+summary: weather transmitters
+addresses: { from: 1, to: 1 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: send
+    read: state
+    request: [{ name: ask, constant: "SEND\r" }]
+    answer:
+      - { name: p, constant: "P=" }
+      - { name: pressure, is: value, text: decimal(10), variable: true }
+      - { name: t, constant: " hPa T=" }
+      - { name: temperature, is: value, text: decimal(10), variable: true }
+      - { name: end, constant: " 'C\r\n" }
+)";
+
+TEST(DeclaredText, ATextEndsAtTheWholeMark) {
+  const Device device = declared_by(kWeather, 1);
+  const Request request = device.read("pressure", 10);
+  const auto text = [](std::string_view characters) {
+    return Bytes(characters.begin(), characters.end());
+  };
+  const Bytes frame = text("P=  1013.00 hPa T=  22.98 'C\r\n");
+  const Outcome outcome = drive(*device.begin(request), frame);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(ByteView(outcome.reply[0].items).first(9)), to_hex(text("  1013.00")));
+  expect_matrix(
+      {.begin = [&] { return device.begin(request); }, .answers = {frame}, .checked = false});
+  EXPECT_FALSE(drive(*device.begin(request), text("P=12345678901 hPa T=1 'C\r\n")).done());
+  EXPECT_FALSE(drive(*device.begin(request), text("P=1 hPa  T=1 'C\r\n")).done());
+  const auto fields =
+      declared::explain(*config::load_declaration_text(kWeather, "t")->value, frame);
+  EXPECT_TRUE(std::ranges::any_of(fields, [](const FrameField& field) {
+    return field.name == "temperature" && field.value == "  22.98";
+  }));
+}
+
 constexpr std::string_view kGauge = R"(
 summary: gauges that may echo a space and may end with a line feed
 addresses: { from: 1, to: 1 }

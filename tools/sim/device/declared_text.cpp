@@ -178,10 +178,10 @@ class ParseRun {
       size = std::min<std::size_t>(size, *given_size_);
     } else if (field.variable) {
       const Field& next = fields_[at_ + 1];
-      const std::uint8_t end = next.text.empty() ? characters_of(next.number, next.word)[0]
-                                                 : static_cast<std::uint8_t>(next.text[0]);
-      const auto found = std::ranges::find(rest(), end);
-      if (found == rest().end()) return rest().size() > size ? Fit::kNo : Fit::kMore;
+      const Bytes end = next.text.empty() ? characters_of(next.number, next.word)
+                                          : Bytes(next.text.begin(), next.text.end());
+      const auto found = std::search(rest().begin(), rest().end(), end.begin(), end.end());
+      if (found == rest().end()) return rest().size() >= size + end.size() ? Fit::kNo : Fit::kMore;
       size = static_cast<std::size_t>(found - rest().begin());
     }
     if (rest().size() < size) return Fit::kMore;
