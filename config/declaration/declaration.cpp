@@ -64,6 +64,7 @@ class DeclarationReader {
     place_values(declaration_, operations_, faults_);
     for (const auto& draft : operations_) check_operation(declaration_, draft, faults_);
     if (const Node* login = map_.find("login")) declaration_.login = read_rounds(*login, "login");
+    check_requests(operations_, declaration_.login, faults_);
     read_errors();
     check_areas();
     for (auto& draft : operations_) {

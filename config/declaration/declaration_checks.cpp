@@ -260,6 +260,7 @@ class Placing {
     if (!area.places.empty()) {
       faults_.add(draft.position, fmt::format("the record '{}' is read twice", area.name),
                   "one operation that reads it");
+      draft.good = false;
       return;
     }
     for (DraftField& field : draft.response.fields) {
@@ -319,7 +320,16 @@ class Placing {
           draft.position,
           fmt::format("value '{}' has a different width than in the response that contains it",
                       draft.field.name),
-          fmt::format("{} bits", place->bits));
+          bits == 0 || place->bits == 0 ? fmt::format("text: {}", place->characters)
+                                        : fmt::format("{} bits", place->bits));
+      return false;
+    }
+    if (draft.field.text_number && draft.field.text_number != place->text_number) {
+      faults_.add(draft.position,
+                  fmt::format("value '{}' is written in another form than in the response that "
+                              "contains it",
+                              draft.field.name),
+                  "the same text in both");
       return false;
     }
     draft.field.place = place->first;
@@ -350,6 +360,50 @@ void place_values(Declaration& declaration, std::vector<DraftOperation>& operati
 void check_operation(const Declaration& declaration, const DraftOperation& draft,
                      FaultList& faults) {
   if (draft.good) OperationCheck(declaration, draft, faults).run();
+}
+
+namespace {
+
+// What distinguishes the request on the wire. Empty if it depends on an item or a value.
+std::vector<Field> fixed_request(const declared::Frame& request, std::uint64_t command) {
+  std::vector<Field> fields = request.fields;
+  for (Field& field : fields) {
+    field.name.clear();
+    switch (field.kind) {
+      case FieldKind::kCommand:
+        field.number = command + static_cast<std::uint64_t>(field.plus);
+        field.plus = 0;
+        field.kind = FieldKind::kConstant;
+        break;
+      case FieldKind::kFirst:
+      case FieldKind::kCount:
+      case FieldKind::kLast:
+      case FieldKind::kItems:
+      case FieldKind::kValue: return {};
+      default: break;
+    }
+  }
+  return fields;
+}
+
+}  // namespace
+
+void check_requests(const std::vector<DraftOperation>& operations,
+                    const std::vector<declared::Operation>& login, FaultList& faults) {
+  std::vector<std::pair<std::string, std::vector<declared::Field>>> known;
+  for (const declared::Operation& round : login)
+    known.emplace_back("a round of the login", fixed_request(round.request, round.command));
+  for (const DraftOperation& draft : operations) {
+    if (!draft.good || !draft.request.good) continue;
+    auto fields = fixed_request(draft.request.frame(), draft.operation.command);
+    if (fields.empty()) continue;
+    const auto same =
+        std::ranges::find(known, fields, [](const auto& each) { return each.second; });
+    if (same != known.end())
+      faults.add(draft.request.position, "its bytes are those of " + same->first,
+                 "a request of its own");
+    known.emplace_back(fmt::format("operation '{}'", draft.operation.name), std::move(fields));
+  }
 }
 
 }  // namespace fieldcast::config

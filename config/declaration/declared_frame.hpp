@@ -71,6 +71,9 @@ void place_values(declared::Declaration& declaration, std::vector<DraftOperation
 
 void check_operation(const declared::Declaration& declaration, const DraftOperation& operation,
                      FaultList& faults);
+// Requests without a value or an item must differ, also from the rounds of the login.
+void check_requests(const std::vector<DraftOperation>& operations,
+                    const std::vector<declared::Operation>& login, FaultList& faults);
 // `round`: a round before a request, with its frames.
 void check_round(const declared::Declaration& declaration, const DraftOperation& round,
                  FaultList& faults);
