@@ -257,5 +257,31 @@ TEST(SimCheck, PassesWithEscapedFramesAndTextAddresses) {
   }
 }
 
+// A command, or constants that differ between the operations, behind an address that is text.
+TEST(SimCheck, PassesWithAnythingBehindATextAddress) {
+  const auto declaration = config::load_declaration_text(R"(
+summary: controllers
+addresses: { text: 4 }
+areas: [{ name: state, record: true }, { name: level, record: true }]
+operations:
+  - name: state
+    read: state
+    command: 0x50
+    request: [{ is: address, text: 4 }, { is: command }, { name: end, constant: "\r" }]
+    answer: [{ is: address, text: 4 }, { name: is, constant: " " }, { name: flags, is: value, bytes: 2 }]
+  - name: level
+    read: level
+    request: [{ is: address, text: 4 }, { name: end, constant: "\r" }]
+    answer: [{ is: address, text: 4 }, { name: is, constant: "=" }, { name: mark, is: value, bytes: 2 }]
+  - name: set
+    write: level
+    request: [{ is: address, text: 4 }, { name: set, constant: "S" }, { name: mark, is: value, bytes: 2 }]
+    answer: [{ is: address, text: 4 }, { name: did, constant: "!" }]
+)",
+                                                         "controllers.yaml");
+  ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
+  expect_all_pass(subjects_of(*declaration));
+}
+
 }  // namespace
 }  // namespace fieldcast::sim

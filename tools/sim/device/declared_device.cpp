@@ -93,7 +93,7 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
   }
   std::optional<std::pair<const Operation*, DeclaredText>> outside;  // its area has no such items
   for (const Operation& operation : declaration_->operations) {
-    DeclaredMatch received = on_request(*declaration_, operation, bytes);
+    DeclaredMatch received = on_request(*declaration_, operation, bytes, address_.text);
     more = more || received.fit == DeclaredMatch::Fit::kMore;
     if (received.fit != DeclaredMatch::Fit::kWhole || received.contradicts) continue;
     if (received.bad_check) {
@@ -123,7 +123,7 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
 
 std::optional<Bytes> DeclaredDevice::greet(const Operation& round, ByteView bytes,
                                            bool& more) const {
-  DeclaredMatch received = on_request(*declaration_, round, bytes);
+  DeclaredMatch received = on_request(*declaration_, round, bytes, address_.text);
   more = more || received.fit == DeclaredMatch::Fit::kMore;
   if (received.fit != DeclaredMatch::Fit::kWhole || received.contradicts || received.bad_check)
     return std::nullopt;

@@ -110,8 +110,10 @@ std::size_t items_size(const Field& field, unsigned item_bits, std::uint64_t cou
 
 class ParseRun {
  public:
-  ParseRun(const declared::Operation& operation, unsigned item_bits, ByteView bytes)
-      : operation_(operation),
+  ParseRun(const declared::Operation& operation, unsigned item_bits, ByteView bytes,
+           std::string_view own_name)
+      : own_name_(own_name),
+        operation_(operation),
         fields_(operation.request.fields),
         item_bits_(item_bits),
         bytes_(bytes) {
@@ -174,15 +176,19 @@ class ParseRun {
 
   Fit text(const Field& field) {
     std::size_t size = field.text_size;
-    if (field.variable && given_size_) {
+    if (field.kind == FieldKind::kAddress && begins_with_own_name()) {
+      size = own_name_.size();
+    } else if (field.variable && given_size_) {
       size = std::min<std::size_t>(size, *given_size_);
     } else if (field.variable) {
       const Field& next = fields_[at_ + 1];
+      if (next.kind != FieldKind::kConstant) return Fit::kNo;
       const Bytes end = next.text.empty() ? characters_of(next.number, next.word)
                                           : Bytes(next.text.begin(), next.text.end());
       const auto found = std::search(rest().begin(), rest().end(), end.begin(), end.end());
       if (found == rest().end()) return rest().size() >= size + end.size() ? Fit::kNo : Fit::kMore;
       size = static_cast<std::size_t>(found - rest().begin());
+      if (size > field.text_size) return Fit::kNo;
     }
     if (rest().size() < size) return Fit::kMore;
     const std::string content(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size));
@@ -192,6 +198,15 @@ class ParseRun {
       received_.text.texts[&field] = content;
     offset_ += size;
     return Fit::kWhole;
+  }
+
+  // Also as far as it arrived. The address of another device ends at the constant behind it.
+  bool begins_with_own_name() const {
+    const std::size_t size = std::min(own_name_.size(), rest().size());
+    return !own_name_.empty() &&
+           std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
+                      own_name_.begin(),
+                      [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
   }
 
   Fit items(const Field& field) {
@@ -299,6 +314,7 @@ class ParseRun {
     given_size_ = static_cast<std::size_t>(left) * (in_digits(*open) && doubles ? 2 : 1);
   }
 
+  const std::string_view own_name_;
   const declared::Operation& operation_;
   const std::vector<Field>& fields_;
   const unsigned item_bits_;
@@ -350,8 +366,9 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
 }  // namespace
 
 DeclaredMatch on_request(const declared::Declaration& declaration,
-                         const declared::Operation& operation, ByteView bytes) {
-  return ParseRun(operation, declaration.areas[operation.area].item_bits, bytes).run();
+                         const declared::Operation& operation, ByteView bytes,
+                         std::string_view own_name) {
+  return ParseRun(operation, declaration.areas[operation.area].item_bits, bytes, own_name).run();
 }
 
 namespace {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/protocol/declared/declaration.hpp"
@@ -27,8 +28,10 @@ struct DeclaredMatch {
   DeclaredText text;
 };
 
+// `own_name`: address of the device if it is text.
 [[nodiscard]] DeclaredMatch on_request(const declared::Declaration& declaration,
-                                       const declared::Operation& operation, ByteView bytes);
+                                       const declared::Operation& operation, ByteView bytes,
+                                       std::string_view own_name);
 
 [[nodiscard]] Bytes say(const declared::Frame& frame, unsigned item_bits, const DeclaredText& text);
 
