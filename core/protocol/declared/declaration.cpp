@@ -19,6 +19,19 @@ std::string spelt(std::uint32_t number, int base) {
   return {text, end};
 }
 
+// What the field is when it is sent, whatever it is called.
+Field as_sent(Field field) {
+  field.name.clear();
+  if (field.kind == FieldKind::kError) field.kind = FieldKind::kConstant;
+  return field;
+}
+
+bool can_have_same_bytes(const Field& a, const Field& b) {
+  if (a.kind == FieldKind::kUnused || b.kind == FieldKind::kUnused)
+    return a.bits == b.bits && a.opens == b.opens && a.word == b.word && a.text_size == b.text_size;
+  return as_sent(a) == as_sent(b);
+}
+
 std::string allowed(const Declaration& declaration) {
   std::string text;
   for (const DeclaredArea& area : declaration.areas) {
@@ -144,6 +157,11 @@ class Parser {
 };
 
 }  // namespace
+
+bool Operation::echoes() const {
+  return write && request.escape == response.escape && request.escaped == response.escaped &&
+         std::ranges::equal(request.fields, response.fields, can_have_same_bytes);
+}
 
 tl::expected<DeviceAddress, OptionFault> device_address(const Declaration& declaration,
                                                         const DeviceLink& link) {

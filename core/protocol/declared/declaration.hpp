@@ -121,7 +121,8 @@ struct Operation {
   std::uint16_t first = 0;  // for a write to a record: its first item
   Frame request, response;
   std::vector<Operation> before;  // rounds before the request, without areas
-  [[nodiscard]] bool echoes() const { return write && request == response; }
+  // Whether the response of a write can have the bytes of its request.
+  [[nodiscard]] bool echoes() const;
   friend bool operator==(const Operation&, const Operation&) = default;
 };
 

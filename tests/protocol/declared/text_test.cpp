@@ -153,6 +153,34 @@ TEST(DeclaredText, ATextEndsAtTheWholeMark) {
   }));
 }
 
+TEST(DeclaredText, AResponseWithTheBytesOfItsRequestIsKnownBeforehand) {
+  const auto ambiguous = [](const std::string& end_of_response) {
+    return declared_by(R"(
+summary: registers
+addresses: { from: 1, to: 9 }
+areas: [{ name: r, items: 100 }]
+operations:
+  - name: read
+    read: r
+    request: [{ is: address }, { name: ask, constant: 3 }, { is: first }]
+    answer: [{ is: address }, { name: ask, constant: 3 }, { is: first }, { is: items }]
+  - name: set
+    write: r
+    request: [{ is: address }, { name: ask, constant: 6 }, { is: first }, { is: items }, { name: end, constant: 0 }]
+    answer: [{ is: address }, { name: did, constant: 6 }, { is: first }, { is: items }, )" +
+                           end_of_response + "]\n",
+                       1)
+        .protocol()
+        .traits()
+        .echo_is_ambiguous;
+  };
+  EXPECT_TRUE(ambiguous("{ name: end, constant: 0 }"));
+  EXPECT_TRUE(ambiguous("{ name: state, is: error }")) << "no error is 0";
+  EXPECT_TRUE(ambiguous("{ name: state, is: unused }"));
+  EXPECT_FALSE(ambiguous("{ name: end, constant: 1 }"));
+  EXPECT_FALSE(ambiguous("{ name: end, constant: 0, bytes: 2 }"));
+}
+
 constexpr std::string_view kGauge = R"(
 summary: gauges that may echo a space and may end with a line feed
 addresses: { from: 1, to: 1 }
