@@ -49,6 +49,7 @@ const Meaning kMeanings[] = {
     {"of", {FieldKind::kLength, FieldKind::kChecksum}},
     {"kind", {FieldKind::kChecksum}},
     {"complement", {FieldKind::kChecksum}},
+    {"start", {FieldKind::kChecksum}},
     {"over", {FieldKind::kChecksum}},
     {"on", {FieldKind::kItems}},
     {"off", {FieldKind::kItems}},
@@ -345,10 +346,18 @@ class FieldReader {
     }
     map_.read("complement", field.check.complement, ChoiceRule<Complement>{kComplements});
     map_.read("over", field.check.over_bytes, ChoiceRule<bool>{kOver});
+    map_.read("start", field.check.start, WholeRule{0, UINT32_MAX});
     if (!checks || kind == nullptr) return;
     const bool crc = field.check.kind == CheckKind::kCrc;
+    if (map_.has("start") && field.check.kind != CheckKind::kSum &&
+        field.check.kind != CheckKind::kXor)
+      map_.fault("start", "'start' at a checksum that is no sum and no xor",
+                 "kind: sum, kind: xor; a CRC has start in its parameters");
+    const bool decimal =
+        field.word.notation == Notation::kDecimal && field.word.characters >= 3 && !crc;
+    if (decimal) field.bits = 8;  // up to 255
     const unsigned needed = crc ? (field.check.crc.width + 7u) / 8 : 1;
-    const bool fits = !draft_.shares && field.word.notation != Notation::kDecimal &&
+    const bool fits = !draft_.shares && (decimal || field.word.notation != Notation::kDecimal) &&
                       field.word.notation != Notation::kBcd && field.bits % 8 == 0 &&
                       field.bits >= 8 * needed && field.bits <= (crc ? 64u : 32u);
     if (!fits)
@@ -358,7 +367,17 @@ class FieldReader {
                   kind->kind == Kind::kMap
                       ? std::string("a checksum of this CRC does not fit its field")
                       : fmt::format("a checksum {} does not fit its field", kind->text),
-                  crc ? fmt::format("bytes: {}", needed) : std::string("bytes: 1 to 4"));
+                  allowed_width(needed));
+  }
+
+  // `needed`: bytes of the checksum; 1 for those of any width.
+  std::string allowed_width(unsigned needed) const {
+    switch (draft_.field.word.notation) {
+      case Notation::kHex:
+        return needed == 1 ? "digits: 2, 4, 6 or 8" : fmt::format("digits: {}", 2 * needed);
+      case Notation::kDecimal: return "digits: 3, for a sum or a xor";
+      default: return needed == 1 ? "bytes: 1 to 4" : fmt::format("bytes: {}", needed);
+    }
   }
 
   void refuse_meaningless() {

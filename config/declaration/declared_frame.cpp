@@ -26,9 +26,10 @@ constexpr std::string_view kRound[] = {"name", "command", "request",  // and the
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
 constexpr std::string_view kField[] = {
-    "name",   "constant", "is",     "bytes",      "bits", "digits", "as",  "order", "plus",
-    "times",  "of",       "kind",   "over",       "on",   "off",    "ok",  "text",  "variable",
-    "signed", "fill",     "counts", "complement", "add",  "xor",    "key", "until", "optional"};
+    "name",       "constant", "is",    "bytes",    "bits",   "digits",   "as",
+    "order",      "plus",     "times", "of",       "kind",   "over",     "on",
+    "off",        "ok",       "text",  "variable", "signed", "fill",     "counts",
+    "complement", "add",      "xor",   "key",      "until",  "optional", "start"};
 
 }  // namespace
 

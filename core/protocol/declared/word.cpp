@@ -31,7 +31,7 @@ Bytes ByteTransform::meant(ByteView bytes) const {
 }
 
 std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes) {
-  std::uint64_t value = check.kind == CheckKind::kAnd ? 0xFF : 0;
+  std::uint64_t value = check.kind == CheckKind::kAnd ? 0xFF : check.start;
   switch (check.kind) {
     case CheckKind::kSum:
       for (const std::uint8_t byte : bytes) value += byte;

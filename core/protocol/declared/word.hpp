@@ -34,6 +34,7 @@ struct Check {
   Crc crc;
   // Covers what the characters represent: decoded hexadecimal digits, bytes before their transform.
   bool over_bytes = false;
+  std::uint32_t start = 0;  // of a sum and a xor
   friend bool operator==(const Check&, const Check&) = default;
 };
 

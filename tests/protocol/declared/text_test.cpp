@@ -181,6 +181,31 @@ operations:
   EXPECT_FALSE(ambiguous("{ name: end, constant: 0, bytes: 2 }"));
 }
 
+// Pfeiffer Vacuum protocol: the sum in three decimal digits (py-pfeiffer-vacuum-protocol,
+// test_parser.py). VE.Direct: all bytes and the checksum add up to 0x55.
+TEST(DeclaredText, ASumMayBeDecimalAndMayBeginAboveZero) {
+  const Device gauge = declared_by(R"(
+summary: gauges
+addresses: { from: 1, to: 255 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ is: address, as: decimal, digits: 3 }, { name: ask, constant: "0034902=?" }, { is: checksum, kind: sum, of: address..ask, as: decimal, digits: 3 }, { name: end, constant: "\r" }]
+    answer: [{ is: address, as: decimal, digits: 3 }, { name: tell, constant: "1034906" }, { name: name, is: value, text: 6 }, { is: checksum, kind: sum, of: address..name, as: decimal, digits: 3 }, { name: end, constant: "\r" }]
+)",
+                                   1);
+  const auto text = [](std::string_view characters) {
+    return Bytes(characters.begin(), characters.end());
+  };
+  const Request request = gauge.read("name", 3);
+  EXPECT_EQ(gauge.request_bytes(request), text("0010034902=?111\r"));
+  EXPECT_TRUE(drive(*gauge.begin(request), text("0011034906MPT200123\r")).done());
+  EXPECT_EQ(drive(*gauge.begin(request), text("0011034906MPT200379\r")).cause, Cause::kChecksum);
+  const declared::Check check{.complement = declared::Complement::kTwos, .start = 0xAB};
+  EXPECT_EQ(check_of(check, 8, Bytes{7, 0xF0, 0xED, 0}), 0x71u);
+}
+
 constexpr std::string_view kGauge = R"(
 summary: gauges that may echo a space and may end with a line feed
 addresses: { from: 1, to: 1 }
