@@ -162,8 +162,10 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
                map.has("protocol") ? map.position_of("protocol") : context.protocol_position,
                state.faults);
   }
-  const bool has_address =
-      address_node != nullptr && read_address(*address_node, choice, spec.link, state.faults);
+  // A protocol that was refused does not say what its addresses are.
+  const bool refused = !choice.known() && (map.has("protocol") || context.protocol_named);
+  const bool has_address = address_node != nullptr && !refused &&
+                           read_address(*address_node, choice, spec.link, state.faults);
   if (has_address && choice.known()) {
     const std::string address = fmt::format(
         "{} ({})",
