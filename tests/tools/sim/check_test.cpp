@@ -283,5 +283,24 @@ operations:
   expect_all_pass(subjects_of(*declaration));
 }
 
+TEST(SimCheck, PassesWithABlockThatIsOneLine) {
+  const auto declaration = config::load_declaration_text(R"(
+summary: weather transmitters
+addresses: { from: 1, to: 9 }
+areas: [{ name: message, record: true }]
+operations:
+  - name: send
+    read: message
+    request: [{ name: ask, constant: "SEND " }, { is: address }, { name: end, constant: "\r" }]
+    answer:
+      - { name: pressure, is: value, key: "P=", text: decimal(10), until: "hPa" }
+      - { name: temperature, is: value, key: "T=", text: decimal(10), until: "'C" }
+      - { name: end, constant: "\r\n" }
+)",
+                                                         "weather.yaml");
+  ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
+  expect_all_pass(subjects_of(*declaration));
+}
+
 }  // namespace
 }  // namespace fieldcast::sim

@@ -373,6 +373,15 @@ DeclaredMatch on_request(const declared::Declaration& declaration,
 
 namespace {
 
+// Behind a value of a block: a new line, or a blank if the block ends at a new line.
+std::string_view between_values(const std::vector<Field>& fields, std::size_t at) {
+  constexpr std::string_view kLine = "\r\n";
+  while (at < fields.size() && !fields[at].key.empty()) ++at;
+  const bool ends_at_line =
+      at < fields.size() && !fields[at].text.empty() && kLine.find(fields[at].text) != kLine.npos;
+  return ends_at_line ? " " : kLine;
+}
+
 // Bytes of each field, without lengths and checksums. Parts of a word are in its first field.
 std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
@@ -393,8 +402,10 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       }
       const auto found = text.texts.find(&field);
       const std::string content = found == text.texts.end() ? "" : found->second;
-      const std::string line = content.substr(0, content.find('\0')) + field.until + "\r\n";
+      const std::string line = content.substr(0, content.find('\0')) + field.until;
+      const std::string_view between = between_values(fields, i);
       parts[i].insert(parts[i].end(), line.begin(), line.end());
+      parts[i].insert(parts[i].end(), between.begin(), between.end());
     } else if (field.kind == FieldKind::kAddress && field.text_size != 0) {
       parts[i].assign(text.name.begin(), text.name.end());
     } else if (field.text_size != 0) {
