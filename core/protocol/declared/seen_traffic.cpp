@@ -119,8 +119,10 @@ class Reader {
                                             [](char c) { return static_cast<std::uint8_t>(c); });
       return add(at, size, field.name, to_hex(part), right ? "" : "should be " + spelt(field.text));
     }
-    if (field.text_size != 0)
-      return add(at, size, field.name, std::string(part.begin(), part.end()));
+    if (field.text_size != 0) {
+      const std::string text(part.begin(), part.end());
+      return add(at, size, field.name, field.kind == FieldKind::kUnused ? spelt(text) : text);
+    }
     const auto word = read_word(part, field.word);
     if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
@@ -187,7 +189,9 @@ class Reader {
       case FieldKind::kConstant:
       case FieldKind::kCommand: must(*number_of(field, context_)); break;
       case FieldKind::kAddress: {
-        const std::uint64_t address = number - static_cast<std::uint64_t>(field.plus);
+        const std::uint64_t address =
+            (number - static_cast<std::uint64_t>(field.plus)) & (UINT64_MAX >> (64 - field.bits));
+        value = std::to_string(address);
         if (address < declaration_.lowest_address || address > declaration_.highest_address)
           fault = "no address of this protocol";
         break;

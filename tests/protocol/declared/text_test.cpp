@@ -206,6 +206,29 @@ operations:
   EXPECT_EQ(check_of(check, 8, Bytes{7, 0xF0, 0xED, 0}), 0x71u);
 }
 
+TEST(DeclaredText, AnExplanationShowsTheAddressOfTheDevice) {
+  const auto loaded = config::load_declaration_text(R"(
+summary: controllers
+addresses: { from: 0, to: 31 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 }, { name: end, constant: "?" }]
+    answer: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 }, { name: rest, is: unused, text: 2 }, { name: level, is: value }]
+)",
+                                                    "test.yaml");
+  ASSERT_TRUE(loaded) << config::to_text(std::span(loaded.error()));
+  const auto fields = declared::explain(*loaded->value, from_hex("02 83 0F D2 07").value());
+  const auto shows = [&](std::string_view name, std::string_view value) {
+    return std::ranges::any_of(fields, [&](const FrameField& field) {
+      return field.name == name && field.value == value;
+    });
+  };
+  EXPECT_TRUE(shows("address", "3"));
+  EXPECT_TRUE(shows("rest", "0F D2"));
+}
+
 constexpr std::string_view kGauge = R"(
 summary: gauges that may echo a space and may end with a line feed
 addresses: { from: 1, to: 1 }
