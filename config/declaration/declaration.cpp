@@ -32,9 +32,9 @@ constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
 constexpr std::pair<std::string_view, bool> kBitOrders[] = {{"low-first", false},
                                                             {"high-first", true}};
 constexpr std::pair<std::string_view, declared::Escape> kEscapes[] = {
-    {"dle", declared::Escape::kDle},
-    {"slip", declared::Escape::kSlip},
-    {"cobs", declared::Escape::kCobs}};
+    {"dle", declared::Escape::kDle},     {"slip", declared::Escape::kSlip},
+    {"cobs", declared::Escape::kCobs},   {"hdlc", declared::Escape::kHdlc},
+    {"shdlc", declared::Escape::kShdlc}, {"kmp", declared::Escape::kKmp}};
 constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
     {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
 constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {

@@ -1,6 +1,8 @@
 #include "core/protocol/declared/escape.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace fieldcast::declared {
 namespace {
@@ -8,6 +10,50 @@ namespace {
 constexpr std::uint8_t kDle = 0x10;
 constexpr std::uint8_t kEnd = 0xC0, kEsc = 0xDB, kEscEnd = 0xDC, kEscEsc = 0xDD;
 constexpr std::size_t kCobsGroup = 254;  // most bytes behind a code
+
+struct Masking {
+  Escape escape;
+  std::uint8_t before, inverted, end;
+  std::string_view bytes;
+  [[nodiscard]] bool holds(std::uint8_t byte) const {
+    return bytes.find(static_cast<char>(byte)) != std::string_view::npos;
+  }
+};
+constexpr std::array kMaskings{Masking{Escape::kHdlc, 0x7D, 0x20, 0x7E, "\x7D\x7E"},
+                               Masking{Escape::kShdlc, 0x7D, 0x20, 0x7E, "\x7D\x7E\x11\x13"},
+                               Masking{Escape::kKmp, 0x1B, 0xFF, 0x0D, "\x1B\x80\x40\x0D\x06"}};
+
+const Masking* masking_of(Escape escape) {
+  const auto found = std::ranges::find(kMaskings, escape, &Masking::escape);
+  return found == kMaskings.end() ? nullptr : found;
+}
+
+Bytes masked(const Masking& masking, ByteView plain) {
+  Bytes out;
+  for (const std::uint8_t byte : plain) {
+    if (masking.holds(byte)) out.push_back(masking.before);
+    out.push_back(static_cast<std::uint8_t>(byte ^ (masking.holds(byte) ? masking.inverted : 0)));
+  }
+  return out;
+}
+
+Unescaped from_masked(const Masking& masking, ByteView wire) {
+  Unescaped read;
+  for (std::size_t& at = read.used; at < wire.size(); ++at) {
+    read.ended = wire[at] == masking.end;
+    if (read.ended) return read;
+    std::uint8_t byte = wire[at];
+    if (byte == masking.before) {
+      if (at + 1 == wire.size()) return read;
+      byte = static_cast<std::uint8_t>(wire[at + 1] ^ masking.inverted);
+      read.invalid = !masking.holds(byte);
+      if (read.invalid) return read;
+      ++at;
+    }
+    read.plain.push_back(byte);
+  }
+  return read;
+}
 
 Bytes cobs(ByteView plain) {
   Bytes out;
@@ -43,6 +89,7 @@ Unescaped from_cobs(ByteView wire) {
 
 Bytes escaped(Escape escape, ByteView plain) {
   if (escape == Escape::kCobs) return cobs(plain);
+  if (const Masking* masking = masking_of(escape)) return masked(*masking, plain);
   Bytes out;
   for (const std::uint8_t byte : plain) {
     if (escape == Escape::kDle && byte == kDle) out.push_back(kDle);
@@ -57,6 +104,7 @@ Bytes escaped(Escape escape, ByteView plain) {
 
 Unescaped unescape(Escape escape, ByteView wire) {
   if (escape == Escape::kCobs) return from_cobs(wire);
+  if (const Masking* masking = masking_of(escape)) return from_masked(*masking, wire);
   Unescaped read;
   for (std::size_t& at = read.used; at < wire.size(); ++at) {
     const std::uint8_t byte = wire[at];

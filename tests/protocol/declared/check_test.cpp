@@ -126,8 +126,22 @@ TEST(DeclaredCheck, CrcsGiveTheirPublishedCheckValues) {
 
 Bytes unhex(std::string_view hex) { return from_hex(hex).value(); }
 
+// That ends the escaped part of a frame.
+Bytes mark_of(declared::Escape escape) {
+  using enum declared::Escape;
+  switch (escape) {
+    case kDle: return {0x10, 0x03};
+    case kSlip: return {0xC0};
+    case kHdlc:
+    case kShdlc: return {0x7E};
+    case kKmp: return {0x0D};
+    default: return {0x00};
+  }
+}
+
 // Sources: RFC 1055 (SLIP); Cheshire and Baker, Consistent Overhead Byte Stuffing, and the examples
-// of Wikipedia on it.
+// of Wikipedia on it; RFC 1662 (HDLC); Sensirion, data sheet of the SPS30
+// (SHDLC); github.com/gertvandijk/PyKMP (KMP).
 TEST(DeclaredEscape, EncodesThePublishedExamples) {
   using declared::Escape;
   const std::tuple<Escape, std::string_view, std::string_view> examples[] = {
@@ -137,14 +151,14 @@ TEST(DeclaredEscape, EncodesThePublishedExamples) {
       {Escape::kCobs, "00 00", "01 01 01"},
       {Escape::kCobs, "11 22 00 33", "03 11 22 02 33"},
       {Escape::kCobs, "11 22 33 44", "05 11 22 33 44"},
-      {Escape::kCobs, "11 00 00 00", "02 11 01 01 01"}};
+      {Escape::kCobs, "11 00 00 00", "02 11 01 01 01"},
+      {Escape::kHdlc, "7E 00 7D 11", "7D 5E 00 7D 5D 11"},
+      {Escape::kShdlc, "11 13 7E", "7D 31 7D 33 7D 5E"},
+      {Escape::kKmp, "80 40 0D 06 1B 3F", "1B 7F 1B BF 1B F2 1B F9 1B E4 3F"}};
   for (const auto& [escape, plain, wire] : examples) {
     EXPECT_EQ(to_hex(escaped(escape, unhex(plain))), wire);
     Bytes marked = unhex(wire);
-    const Bytes mark = escape == Escape::kDle    ? Bytes{0x10, 0x03}
-                       : escape == Escape::kSlip ? Bytes{0xC0}
-                                                 : Bytes{0x00};
-    append(marked, mark);
+    append(marked, mark_of(escape));
     const auto read = unescape(escape, marked);
     EXPECT_TRUE(read.ended && !read.invalid) << wire;
     EXPECT_EQ(to_hex(read.plain), plain);
@@ -160,11 +174,10 @@ TEST(DeclaredEscape, AnyBytesReturnUnchanged) {
       byte = static_cast<std::uint8_t>(random() % 3 == 0 ? 0x10 * (random() % 16) : random());
     if (round % 4 == 0) std::ranges::replace(plain, 0, 1);  // long groups of COBS
     for (const auto escape :
-         {declared::Escape::kDle, declared::Escape::kSlip, declared::Escape::kCobs}) {
+         {declared::Escape::kDle, declared::Escape::kSlip, declared::Escape::kCobs,
+          declared::Escape::kHdlc, declared::Escape::kShdlc, declared::Escape::kKmp}) {
       Bytes wire = escaped(escape, plain);
-      append(wire, escape == declared::Escape::kDle    ? Bytes{0x10, 0x03}
-                   : escape == declared::Escape::kSlip ? Bytes{0xC0}
-                                                       : Bytes{0x00});
+      append(wire, mark_of(escape));
       const auto read = unescape(escape, wire);
       ASSERT_TRUE(read.ended && !read.invalid);
       ASSERT_EQ(read.plain, plain);

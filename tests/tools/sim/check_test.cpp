@@ -223,7 +223,11 @@ TEST(SimCheck, AProtocolThatNobodyHasHasNoSubject) {
 std::string drive_text(const std::string& escape, const std::string& begin) {
   const std::string open =
       begin.empty() ? "" : "      - { name: begin, constant: [" + begin + "] }\n";
-  const std::string end = escape == "dle" ? "[0x10, 0x03]" : escape == "slip" ? "0xC0" : "0";
+  const std::string end = escape == "dle"    ? "[0x10, 0x03]"
+                          : escape == "slip" ? "0xC0"
+                          : escape == "cobs" ? "0"
+                          : escape == "kmp"  ? "0x0D"
+                                             : "0x7E";
   const std::string crc =
       "kind: { width: 24, polynomial: 0x864CFB, start: 0xB704CE }, bytes: 3, over: bytes";
   return "summary: drives\naddresses: { text: 4 }\nescape: " + escape +
@@ -247,8 +251,12 @@ std::string drive_text(const std::string& escape, const std::string& begin) {
 }
 
 TEST(SimCheck, PassesWithEscapedFramesAndTextAddresses) {
-  for (const auto& [escape, begin] :
-       {std::pair<std::string, std::string>{"dle", "0x10, 0x02"}, {"slip", "0xC0"}, {"cobs", ""}}) {
+  for (const auto& [escape, begin] : {std::pair<std::string, std::string>{"dle", "0x10, 0x02"},
+                                      {"slip", "0xC0"},
+                                      {"cobs", ""},
+                                      {"hdlc", "0x7E"},
+                                      {"shdlc", "0x7E"},
+                                      {"kmp", "0x80"}}) {
     SCOPED_TRACE(escape);
     const auto declaration =
         config::load_declaration_text(drive_text(escape, begin), "drives.yaml");
