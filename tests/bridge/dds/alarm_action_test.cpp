@@ -35,8 +35,8 @@ struct Agreeing {
 TEST(DdsAlarmAction, GetsAResponseOnceAndSharesTheIdsOfCommands) {
   const std::string bus = bus_name("action");
   Agreeing bridge(bus);
-  Station station(loopback(), "operator");
   Collected<StationResult> results;
+  Station station(loopback(), "operator");
   station.on_result([&](const StationResult& result) { results.add(result); });
   const auto result = station.execute(acknowledge(bus));
   ASSERT_TRUE(result) << to_text(result.error());
@@ -57,8 +57,8 @@ TEST(DdsAlarmAction, GetsAResponseOnceAndSharesTheIdsOfCommands) {
 TEST(DdsAlarmAction, AThousandAllGetResponses) {
   const std::string bus = bus_name("many-actions");
   Agreeing bridge(bus);
-  Station station(loopback(), "operator");
   Collected<std::uint64_t> ids;
+  Station station(loopback(), "operator");
   station.on_result([&](const StationResult& result) { ids.add(result.request_id); });
   for (int i = 0; i < 1000; ++i) ASSERT_TRUE(station.send(acknowledge(bus)));
   ASSERT_TRUE(eventually([&] { return ids.size() >= 1000; })) << ids.size() << " results came";
@@ -91,8 +91,8 @@ TEST(DdsAlarmStatus, ReachesLateStationsAndGoesAlone) {
   bridge.link.report(high, status);
   bridge.link.report(low, {});
   bridge.link.report({bus + "-other", "d", "c0", LimitKind::kLow}, {});  // not a bus of this bridge
-  Station station(loopback(), "watcher");
   Collected<StationAlarmStatus> came, gone;
+  Station station(loopback(), "watcher");
   station.subscribe_alarm_status([&](const StationAlarmStatus& known) { came.add(known); },
                                  [&](const StationAlarmStatus& last) { gone.add(last); });
   ASSERT_TRUE(eventually([&] { return came.size() >= 2; }));

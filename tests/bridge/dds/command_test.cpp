@@ -242,8 +242,8 @@ TEST(DdsCommand, ThatNobodyWaitsForIsSentAgainToo) {
     bridge.link.complete(name, first ? refused_as(command, Cause::kShutdown) : done(command),
                          both_clocks());
   };
-  Station station(loopback(), "operator");
   Collected<StationResult> results;
+  Station station(loopback(), "operator");
   station.on_result([&](const StationResult& result) { results.add(result); });
   StationCommand command = write_running(bus);
   command.person = "anna";
@@ -265,8 +265,8 @@ TEST(DdsCommand, ThatIsSentAgainWaitsForTheNextBridge) {
   released->received.answer = [&](const std::string& name, const Command& command) {
     released->link.complete(name, refused_as(command, Cause::kShutdown), both_clocks());
   };
-  Station station(loopback(), "operator");
   Collected<StationResult> results;
+  Station station(loopback(), "operator");
   station.on_result([&](const StationResult& result) { results.add(result); });
   ASSERT_TRUE(station.send(write_running(bus)));
   ASSERT_TRUE(eventually([&] { return released->received.commands.size() > 0; }));
@@ -318,8 +318,8 @@ TEST(DdsCommand, IsNotKeptBackByAForgedClaimOnItsBus) {
   idl::Bridge claim;
   to_idl(BridgeClaims{"forger", "host", "", UtcTime{1}, {{bus, {UtcTime{1}, true}}}}, claim);
   ASSERT_TRUE(is_taken(claims->write(&claim)));
-  Station station(loopback(), "operator");
   Collected<StationBridge> heard;
+  Station station(loopback(), "operator");
   station.subscribe_bridges([&](const StationBridge& each) { heard.add(each); });
   ASSERT_TRUE(eventually([&] { return heard.size() >= 2; }));
   const auto result = station.execute(write_running(bus), 20s);
@@ -394,8 +394,8 @@ TEST(DdsCommand, InstancesAreReleased) {
   constexpr std::uint64_t kCommands = 10'000;
   const std::string bus = bus_name("flood");
   Obedient bridge(bus);
-  Station station(loopback(), "operator");
   std::atomic<std::uint64_t> results{0};
+  Station station(loopback(), "operator");
   station.on_result([&](const StationResult&) { ++results; });
   for (std::uint64_t i = 0; i < kCommands; ++i) {
     ASSERT_TRUE(station.send(write_running(bus))) << "command " << i;

@@ -80,10 +80,10 @@ TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedIn
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 60s; }));
-  Station demanding(loopback(), "demanding");
   std::atomic<int> misses{0};
   Collected<StationSample> samples;
   Collected<std::string> gone;
+  Station demanding(loopback(), "demanding");
   demanding.subscribe_samples(
       [&](const StationSample& sample) { samples.add(sample); },
       [&](const std::string&, const std::string&, const std::string& name) { gone.add(name); },

@@ -23,9 +23,9 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
-  Station station(loopback(), "watcher");
   Collected<StationBusStatus> buses;
   Collected<StationDeviceStatus> devices;
+  Station station(loopback(), "watcher");
   station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
   station.subscribe_device_status([&](const StationDeviceStatus& status) { devices.add(status); });
   BusReport report;
@@ -47,8 +47,8 @@ TEST(DdsLink, StatusReportsHowFarTheClockOfTheStationIsAhead) {
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
-  Station station(loopback(), "watcher");
   Collected<StationBusStatus> buses;
+  Station station(loopback(), "watcher");
   station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
   const auto report_behind = [&](Duration by) {
     const std::size_t before = buses.size();
@@ -73,9 +73,9 @@ TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   link.report(bus, plan, {5});
   plan.groups = {{.device = "d", .period = 100ms, .points = {point}}};
   link.report(bus, plan, {6});
-  Station station(loopback(), "watcher");
   Collected<StationReadPlan> plans;
   Collected<std::string> gone;
+  Station station(loopback(), "watcher");
   station.subscribe_read_plans([&](const StationReadPlan& read) { plans.add(read); },
                                [&](const std::string& which) { gone.add(which); });
   ASSERT_TRUE(eventually([&] { return plans.size() >= 1; }));
@@ -96,8 +96,8 @@ TEST(DdsLink, APlanThatIsLongerThanTheFirstAllocationArrives) {
   const PlanReport::Point point{.area = "holding", .first = 7, .count = 1, .channels = {"c0"}};
   plan.groups = std::vector(100, PlanReport::Group{.device = "d", .points = {point, point}});
   link.report(bus, plan, {5});
-  Station station(loopback(), "watcher");
   Collected<StationReadPlan> plans;
+  Station station(loopback(), "watcher");
   station.subscribe_read_plans([&](const StationReadPlan& read) { plans.add(read); });
   ASSERT_TRUE(eventually([&] { return plans.size() >= 1; }));
   EXPECT_EQ(plans.all().back().plan, plan);
@@ -115,8 +115,8 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
               clock);
   link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s},
               clock);
-  Station station(loopback(), "watcher");
   Collected<StationAlarm> alarms, gone;
+  Station station(loopback(), "watcher");
   station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); },
                            [&](const StationAlarm& last) { gone.add(last); });
   ASSERT_TRUE(eventually([&] { return alarms.size() >= 2; })) << alarms.size() << " alarms came";

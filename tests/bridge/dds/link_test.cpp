@@ -38,8 +38,8 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
   const std::string bus = bus_name("wide");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
-  Station station(loopback(), "watcher");
   Collected<StationSample> samples;
+  Station station(loopback(), "watcher");
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
   link.add_bus(bus_of(bus, 300));
   EXPECT_EQ(link.counters(bus).sample_writers, 2u) << "256 channels at most for one writer";
@@ -64,8 +64,8 @@ TEST(DdsLink, TheChannelsOfABridgeRemainWhenASecondBridgeOfALaterEpochHasLeft) {
   first.add_bus(bus_of(bus, 2));
   auto second = std::make_unique<DdsLink>(loopback(), "second", of_second.handlers());
   second->add_bus(bus_of(bus, 3));
+  Collected<StationSample> samples;  // outlives the station, whose thread adds to it
   Station station(loopback(), "watcher");
-  Collected<StationSample> samples;
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
   second->publish(bus, one_of_each(3), both_clocks());
   ASSERT_TRUE(eventually([&] { return channels_of(samples.all(), bus).size() == 3; }));
@@ -136,9 +136,9 @@ TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
   for (std::uint64_t sequence = 1; sequence <= 3; ++sequence)
     link.publish(bus, one_of_each(300, sequence), both_clocks());
 
-  Station station(loopback(), "late");
   Collected<StationSample> samples;
   Collected<StationChannel> channels;
+  Station station(loopback(), "late");
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
   station.subscribe_channels([&](const StationChannel& channel) {
     if (channel.bus == bus) channels.add(channel);
@@ -159,8 +159,8 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(
       bus_of(bus, 20, [](std::size_t i) { return i % 2 == 0 ? Duration{5s} : Duration{60s}; }));
-  Station demanding(loopback(), "demanding"), content(loopback(), "content");
   Collected<StationSample> fresh, all;
+  Station demanding(loopback(), "demanding"), content(loopback(), "content");
   demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {},
                               {.deadline = 10s});
   content.subscribe_samples([&](const StationSample& sample) { all.add(sample); });
@@ -178,9 +178,9 @@ TEST(DdsLink, TheStationIsNotifiedOfTheChannelThatMissedItsDeadline) {
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 100ms; }));
-  Station station(loopback(), "demanding");
   Collected<std::string> late;
   Collected<StationSample> samples;
+  Station station(loopback(), "demanding");
   station.subscribe_samples(
       [&](const StationSample& sample) { samples.add(sample); }, {},
       {.deadline = 100ms,
@@ -287,9 +287,9 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 4, [](std::size_t) { return 60s; }));
   link.publish(bus, one_of_each(4), both_clocks());
-  Station demanding(loopback(), "demanding"), content(loopback(), "content");
   Collected<StationSample> fresh, all;
   Collected<std::string> gone;
+  Station demanding(loopback(), "demanding"), content(loopback(), "content");
   std::mutex mutex;
   std::map<std::string, Duration> refresh;
   demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {},
@@ -329,10 +329,10 @@ TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
   const std::string bus = bus_name("removed");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
-  Station station(loopback(), "watcher");
   Collected<std::string> gone_samples, gone_channels;
   Collected<StationSample> samples;
   Collected<StationChannel> channels;
+  Station station(loopback(), "watcher");
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); },
                             [&](const std::string&, const std::string&, const std::string& name) {
                               gone_samples.add(name);
@@ -371,8 +371,8 @@ TEST(DdsLink, PartitionSeparatesStations) {
   DdsLink link(inside, "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
   link.publish(bus, one_of_each(1), both_clocks());
-  Station member(inside, "member"), stranger(loopback(), "stranger");
   Collected<StationSample> seen, unseen;
+  Station member(inside, "member"), stranger(loopback(), "stranger");
   stranger.subscribe_samples([&](const StationSample& sample) { unseen.add(sample); });
   member.subscribe_samples([&](const StationSample& sample) { seen.add(sample); });
   EXPECT_TRUE(eventually([&] { return channels_of(seen.all(), bus).size() == 1; }));

@@ -72,10 +72,10 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   link.report({bus, "d", "c0", LimitKind::kHigh}, AlarmStatus{});
   link.report(bus, "d", DeviceReport{}, {7});
 
+  std::atomic<std::uint64_t> sequence{0};
   Station station(loopback(), "watcher");
   station.subscribe_channels([&](const StationChannel&) { came.add("channel"); },
                              [&](auto&, auto&, auto&) { gone.add("channel"); });
-  std::atomic<std::uint64_t> sequence{0};
   station.subscribe_samples([&](const StationSample& sample) { sequence = sample.sequence; },
                             [](auto&, auto&, auto&) {});
   station.subscribe_read_plans([&](const StationReadPlan&) { came.add("plan"); },

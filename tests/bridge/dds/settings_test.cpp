@@ -182,8 +182,8 @@ TEST(DdsSettings, DiscoveryServerBringsBridgeAndStationTogether) {
   for (ChannelIndex i = 0; i < 20; ++i) samples.push_back(good(i, static_cast<double>(i)));
   bridge.link.publish(bus, samples, both_clocks());
 
-  Station station(spec, "client");
   Collected<StationSample> seen;
+  Station station(spec, "client");
   station.subscribe_samples([&](const StationSample& sample) {
     if (sample.bus == bus) seen.add(sample);
   });
@@ -207,8 +207,8 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
   DdsLink open(loopback(), "open", received.handlers());
   open.add_bus(bus_of(bus + "-open", 1));
   open.publish(bus + "-open", std::vector<Sample>{good(0, 1.0)}, both_clocks());
-  Station client(spec, "client"), plain(loopback(), "plain");
   Collected<StationSample> unseen, seen;
+  Station client(spec, "client"), plain(loopback(), "plain");
   client.subscribe_samples([&](const StationSample& sample) { unseen.add(sample); });
   plain.subscribe_samples([&](const StationSample& sample) { seen.add(sample); });
   EXPECT_TRUE(eventually([&] { return seen.size() >= 1; }));
@@ -246,8 +246,8 @@ TEST(DdsSettings, MaxRateHoldsAndNoSampleIsLost) {
   bounded.max_rate = 500'000;
   const std::string bus = bus_name("bounded");
   Obedient bridge(bus, kChannels, bounded);
-  Station station(loopback(), "reader");
   std::atomic<std::size_t> samples = 0, last = 0;
+  Station station(loopback(), "reader");
   station.subscribe_samples([&](const StationSample& sample) {
     if (sample.bus != bus) return;
     ++samples;

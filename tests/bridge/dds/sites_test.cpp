@@ -117,8 +117,8 @@ TEST(PatternAtSite, NamesTheSiteOrMatchesIt) {
 TEST(Sites, OneWithoutANameIsAStation) {
   const std::string bus = bus_name("alone");
   Obedient bridge(bus);
-  Station sites({DdsSite{{}, loopback()}}, "one");
   Collected<StationChannel> channels;
+  Station sites({DdsSite{{}, loopback()}}, "one");
   sites.subscribe_channels([&](const StationChannel& channel) {
     if (channel.bus == bus) channels.add(channel);
   });
