@@ -30,6 +30,7 @@ void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
   }
   draft.address = *parsed;
   draft.area = &context.protocol->areas()[parsed->area];
+  draft.spec.unsolicited = draft.area->unsolicited > Duration::zero();
 }
 
 // The byte of an item; low and high are those of a word.
@@ -211,7 +212,8 @@ void check_access(MapReader& map, Draft& draft) {
               "access: read-write, access: write-only");
   }
   check_byte_write(map, draft);
-  if (draft.area != nullptr && draft.area->max_read == 0 && access != Access::kWriteOnly) {
+  if (draft.area != nullptr && draft.area->max_read == 0 && !draft.spec.unsolicited &&
+      access != Access::kWriteOnly) {
     map.fault(map.has("access") ? "access" : "at",
               fmt::format("'{}' cannot be read", draft.spec.at), "access: write-only");
   }
@@ -267,6 +269,21 @@ void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSp
   }
 }
 
+// The refresh of a channel that is never requested is the longest accepted silence.
+void check_unsolicited(MapReader& map, const Draft& draft) {
+  if (!draft.spec.unsolicited) return;
+  if (draft.spec.mode == Mode::kOnDemand)
+    map.fault("mode",
+              fmt::format("'{}' is sent by the device and never read on demand", draft.spec.at),
+              "no 'mode'");
+  if (draft.spec.refresh > draft.area->unsolicited) return;
+  map.fault("refresh",
+            fmt::format("refresh {} is not longer than the time between two frames of the device",
+                        fieldcast::to_text(draft.spec.refresh)),
+            fmt::format("above {}, for example {}", fieldcast::to_text(draft.area->unsolicited),
+                        fieldcast::to_text(3 * draft.area->unsolicited)));
+}
+
 }  // namespace
 
 ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultList& faults) {
@@ -294,6 +311,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   check_access(map, draft);
   check_numbers(map, draft);
   check_heartbeat(map, context.defaults, spec);
+  check_unsolicited(map, draft);
   return std::move(spec);
 }
 

@@ -161,7 +161,13 @@ class DeclarationReader {
       missing.good = false;
       return missing;
     };
-    draft.request = frame("request");
+    map.read("unsolicited", draft.operation.unsolicited, DurationRule{kMinRefresh, kMaxRefresh});
+    if (!map.has("unsolicited")) draft.request = frame("request");
+    for (const auto* key : {"request", "before", "count"}) {
+      if (map.has("unsolicited") && map.find(key) != nullptr)
+        map.fault(key, fmt::format("'{}' has no meaning for a frame without a request", key),
+                  "no '" + std::string(key) + "'");
+    }
     draft.response = frame("answer");
     if (const Node* before = map.find("before"))
       draft.operation.before = read_rounds(*before, "before");

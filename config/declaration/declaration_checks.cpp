@@ -31,6 +31,7 @@ class OperationCheck {
     check_addressing();
     check_variable(draft_.response);
     check_blocks();
+    check_unsolicited();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
         faults_.add(draft.position,
@@ -182,7 +183,7 @@ class OperationCheck {
 
   // The request must contain the items' address and, if it varies, their count.
   void check_addressing() {
-    if (area_.record || !draft_.request.good) return;
+    if (area_.record || !draft_.request.good || operation_.unsolicited > Duration::zero()) return;
     needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
           draft_.request.position,
           fmt::format("the request does not say which of {} items it means", area_.items),
@@ -216,6 +217,23 @@ class OperationCheck {
                         frame.fields[i].name),
             "a constant behind it, or a length of it before it");
     }
+  }
+
+  void check_unsolicited() {
+    if (operation_.unsolicited == Duration::zero() || !draft_.response.good) return;
+    needs(area_.record && !operation_.write, draft_.position,
+          fmt::format("'{}' is sent without a request and does not read a record", operation_.name),
+          "read: a record");
+    if (const DraftField* sequence = draft_.response.find(FieldKind::kSequence))
+      faults_.add(sequence->position, "a frame without a request repeats no sequence number",
+                  "is: unused");
+    const Field& last = draft_.response.fields.back().field;
+    needs(draft_.response.find(FieldKind::kChecksum) != nullptr ||
+              (last.kind == FieldKind::kConstant && !last.variable &&
+               !draft_.response.fields.back().shares),
+          draft_.response.position,
+          fmt::format("nothing shows where the frame of '{}' begins", operation_.name),
+          "a checksum, or a constant at its end, behind which the next frame begins");
   }
 
   // A text of variable length must end at a constant, or a length field must precede it.

@@ -58,6 +58,7 @@ void BusEngine::handle(const Opened& event, Instant now, ActionSink&) {
   parts_.session.clear();
   stream_.clear();
   parts_.in_flight.opened();
+  parts_.listener.opened();
   for (Wire& wire : parts_.wires) wire.opened(std::max(now, event.quiet_until));
   parts_.fence.opened(now);
   parts_.devices.opened(now);
@@ -223,6 +224,12 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
     const auto outcome = wire.on_timer(now, out);
     if (!another_asked(outcome, now, sink)) advance(outcome, std::move(out), now, sink);
   }
+  if (state_ == BusState::kRunning && parts_.listener.active()) {
+    if (auto reopen = outcomes_.silent(parts_.listener.silent(now), now, sink)) {
+      sink.push(std::move(*reopen));
+      state_ = BusState::kOpening;
+    }
+  }
   if (state_ != BusState::kStopped && state_ != BusState::kLeased) {
     std::vector<Sample> late;
     parts_.channels.expire(now, late);
@@ -243,6 +250,7 @@ void BusEngine::set_timer(ActionSink& sink) {
     for (const Wire& wire : parts_.wires)
       if (wire.exchanging()) next = std::min(next, wire.driver().deadline());
     if (state_ == BusState::kRunning && any_free()) next = std::min(next, next_request_at_);
+    if (state_ == BusState::kRunning) next = std::min(next, parts_.listener.next_silence());
   }
   if (next == timer_) return;
   timer_ = next;
@@ -250,7 +258,7 @@ void BusEngine::set_timer(ActionSink& sink) {
 }
 
 bool BusEngine::is_too_early(DeviceIndex device) {
-  if (parts_.setup.timeless()) return false;
+  if (parts_.setup.timeless() || parts_.listener.active()) return false;
   const Duration began = parts_.wire().driver().response_began();
   return parts_.devices.too_early(device, began) ||
          parts_.fence.doubts_first(began, parts_.setup.line().characters(1));

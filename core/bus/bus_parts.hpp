@@ -13,6 +13,7 @@
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/wire/in_flight.hpp"
 #include "core/bus/wire/late_response_filter.hpp"
+#include "core/bus/wire/unsolicited_listener.hpp"
 #include "core/bus/wire/wire.hpp"
 #include "core/bus/wire/wire_fence.hpp"
 
@@ -27,6 +28,7 @@ struct BusParts {
         devices(setup, reads.first_ranges()),
         late(setup),
         fence(setup.spec()),
+        listener(setup),
         in_flight(setup.spec().in_flight) {
     for (unsigned i = 0; i < setup.spec().in_flight; ++i) wires.emplace_back(setup, session);
     wire_ = &wires.front();
@@ -41,6 +43,7 @@ struct BusParts {
   Bytes session;  // of the connection, see ExchangeContext
   std::deque<Wire> wires;
   WireFence fence;
+  UnsolicitedListener listener;
   FlightLimit in_flight;
 
   // The wire whose exchange begins or ends.

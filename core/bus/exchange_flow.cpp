@@ -313,4 +313,29 @@ void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& respo
   reads_.release_held(now, late_.read_gate());
 }
 
+void OutcomeRouter::take_unsolicited(const std::vector<UnsolicitedListener::Frame>& frames,
+                                     Instant now, ActionSink& sink) {
+  for (const UnsolicitedListener::Frame& frame : frames) {
+    devices_.responded(frame.device, sink);
+    if (sink.tracing())
+      sink.trace(frame.device, "unsolicited: " + setup_.text(frame.device, frame.range));
+    std::vector<Sample> samples;
+    channels_.unsolicited(frame.device, frame.range, frame.items, now, samples);
+    sink.publish(std::move(samples));
+  }
+}
+
+std::optional<Reopen> OutcomeRouter::silent(const std::vector<DeviceIndex>& devices, Instant now,
+                                            ActionSink& sink) {
+  bool lost = false;
+  for (const DeviceIndex device : devices) {
+    causes_.add(Cause::kNoResponse);
+    lost = devices_.failed(device, Cause::kNoResponse, now, sink) || lost;
+  }
+  // As in conclude().
+  if (lost && devices_.all_offline() && over_network(setup_.spec().port))
+    return Reopen{"no device sends"};
+  return std::nullopt;
+}
+
 }  // namespace fieldcast

@@ -78,6 +78,12 @@ class OutcomeRouter {
   void take_late(const std::vector<LateResponseFilter::Late>& responses, Instant now,
                  ActionSink& sink);
 
+  void take_unsolicited(const std::vector<UnsolicitedListener::Frame>& frames, Instant now,
+                        ActionSink& sink);
+  // Devices that should have sent a frame. Returns Reopen if the port must be opened again.
+  [[nodiscard]] std::optional<Reopen> silent(const std::vector<DeviceIndex>& devices, Instant now,
+                                             ActionSink& sink);
+
   void count(Cause cause) { causes_.add(cause); }
   [[nodiscard]] const CauseCounters& causes() const { return causes_; }
 

@@ -22,6 +22,7 @@ struct ChannelSpec {
   Mode mode = Mode::kScheduled;
   Access access = Access::kReadOnly;
   bool on_interest = false;           // `acquire: on-interest`
+  bool unsolicited = false;           // the device sends it by itself; never requested
   int priority = 0;                   // higher values are stretched later under overload; -100..100
   double elasticity = 1;              // its share of a stretch within its priority; 0.1..10
   std::string unit;                   // "°C", up to 32 bytes

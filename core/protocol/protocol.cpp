@@ -9,4 +9,8 @@ bool Protocol::mistakable(const Request&, ExchangeContext earlier, const Request
          (earlier.sequence & 0xFF) == (later.sequence & 0xFF);
 }
 
+UnsolicitedFrame Protocol::find_unsolicited(ByteView bytes, bool) const {
+  return {.used = bytes.size()};
+}
+
 }  // namespace fieldcast

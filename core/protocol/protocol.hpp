@@ -49,6 +49,9 @@ struct Area {
   // Every request reads the window as a whole (S7 freeport).
   bool window = false;
   std::uint32_t bank = 0;  // no range crosses a multiple of this (EM of Omron); 0: none
+  // Usual time between two frames in which the device sends the items by itself; no request reads
+  // them. Zero: they are requested.
+  Duration unsolicited{};
 };
 
 [[nodiscard]] constexpr bool in_one_bank(const Area& area, std::uint32_t first, std::uint32_t end) {
@@ -117,6 +120,14 @@ struct ExchangeSize {
     return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(response), rounds,
             pauses};
   }
+};
+
+// Result of a search in bytes that arrived without a request.
+struct UnsolicitedFrame {
+  std::size_t used = 0;          // bytes at the beginning that no later search needs
+  bool boundary = false;         // a frame ends behind them
+  std::optional<Range> range{};  // the items of a frame; empty if no frame was found
+  Bytes items{};                 // the image of `range`
 };
 
 enum class Wait : std::uint8_t {
@@ -240,6 +251,9 @@ class Protocol {
                                         ExchangeContext earlier_context,
                                         [[maybe_unused]] const Request& later,
                                         ExchangeContext later_context) const;
+  // Searches the first whole frame of this device in untrusted bytes. `boundary`: the bytes begin
+  // behind the end of a frame. The default uses all bytes and finds none.
+  [[nodiscard]] virtual UnsolicitedFrame find_unsolicited(ByteView bytes, bool boundary) const;
 };
 
 // Explains one frame. Never fails: invalid parts become fields with a fault.

@@ -32,7 +32,7 @@ inline constexpr Duration kAssumedResponseTime = std::chrono::milliseconds{5};
 struct PointMap {
   std::vector<Point> points;  // kOnDemand if no channel is read periodically
   std::vector<std::vector<ChannelIndex>> channels_of;  // by point
-  // By channel of the bus; empty for write-only ones.
+  // By channel of the bus; empty for write-only ones and those that are never requested.
   std::vector<std::optional<PointIndex>> point_of;
 };
 

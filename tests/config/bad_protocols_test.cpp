@@ -107,6 +107,24 @@ TEST(DeclaredProtocols, ATriggerIsWriteOnly) {
               testing::HasSubstr("'tare' cannot be read; allowed: access: write-only"));
 }
 
+// Its refresh is the longest accepted silence.
+TEST(DeclaredProtocols, AnUnsolicitedChannelIsOnlyWatched) {
+  const auto file = slurp(source_dir() / "config/protocols/nmea-0183.yaml");
+  const auto files = texts({{"/etc/protocols/meter.yaml", file}});
+  const auto load = [&](const std::string& rest) {
+    return load_text(meters("1", "{ name: c, at: altitude, type: float64, " + rest + " }"),
+                     "/etc/plant.yaml", files);
+  };
+  const auto loaded = load("refresh: 3s");
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_TRUE(loaded->buses[0].devices[0].channels[0].unsolicited);
+  EXPECT_THAT(faults_of(load("refresh: 1s")),
+              testing::HasSubstr("refresh 1s is not longer than the time between two frames of the "
+                                 "device; allowed: above 1s, for example 3s"));
+  EXPECT_THAT(faults_of(load("refresh: 3s, mode: on-demand")),
+              testing::HasSubstr("'altitude' is sent by the device and never read on demand"));
+}
+
 TEST(DeclaredProtocols, AreComparedByWhatTheySay) {
   const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
   const auto load = [&](const std::string& text) {

@@ -38,6 +38,22 @@ void check_reply(const Protocol& protocol, const Request& request, const Reply& 
   }
 }
 
+// Each search uses bytes or ends.
+void listen(const Protocol& protocol, Bytes kept) {
+  bool boundary = true;
+  for (;;) {
+    const UnsolicitedFrame found = protocol.find_unsolicited(kept, boundary);
+    if (found.used > kept.size()) std::abort();
+    if (!found.range) return;
+    if (found.used == 0) std::abort();
+    const Area& area = protocol.areas()[found.range->area];
+    if (area.unsolicited == Duration::zero() || found.range->end() > area.items) std::abort();
+    if (found.items.size() != image_bytes(area.item_bits, found.range->count)) std::abort();
+    kept.erase(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(found.used));
+    boundary = found.boundary;
+  }
+}
+
 }  // namespace
 
 void run_protocol(const Protocol& protocol,
@@ -55,6 +71,7 @@ void run_protocol(const Protocol& protocol,
   if (explained) {
     for (const Bytes& answer : answers) check_explanation(explain(answer), answer.size());
   }
+  for (const Bytes& answer : answers) listen(protocol, answer);
   const auto sizes = protocol.size(request);
   if (!sizes) return;
   const auto exchange = protocol.begin(request, {.sequence = 1});

@@ -142,6 +142,19 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   publish(entry, out, acquired);
 }
 
+void ChannelTable::unsolicited(DeviceIndex device, const Range& range, ByteView items,
+                               Instant acquired, std::vector<Sample>& out) {
+  constexpr unsigned kItemBits = 16;  // of a record
+  for (ChannelIndex channel = first_of(device); channel < end_of(device); ++channel) {
+    const ChannelSpec& spec = *entries_[channel].spec;
+    if (spec.range.area != range.area || spec.range.end() > range.end()) continue;
+    this->acquired(channel, kItemBits,
+                   items.subspan(image_bytes(kItemBits, spec.range.first),
+                                 image_bytes(kItemBits, spec.range.count)),
+                   acquired, out);
+  }
+}
+
 void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t device_code,
                            Instant now, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
@@ -184,6 +197,8 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
       queue(channel);
       continue;
     }
+    if (entry.spec->unsolicited && entry.freshness.cause() == Cause::kNone)
+      entry.freshness.explain(Cause::kNoResponse);
     if (!entry.freshness.expire(now, misses_)) continue;
     const Quality before = entry.last.quality;
     entry.last.quality = quality_of(entry.freshness.cause());

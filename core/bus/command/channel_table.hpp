@@ -50,6 +50,9 @@ class ChannelTable {
   // Appends a sample unless the deadband holds it back.
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                 std::vector<Sample>& out);
+  // The same for the channels of a frame that the device sent by itself; `range` is a record.
+  void unsolicited(DeviceIndex device, const Range& range, ByteView items, Instant acquired,
+                   std::vector<Sample>& out);
   // Publishes immediately, and again only after a change.
   void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now,
                std::vector<Sample>& out);

@@ -100,7 +100,7 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
   const bool write = command_.operation == Operation::kWrite;
   ChannelIndex index = first_channel;
   for (const ChannelSpec& channel : device.channels) {
-    const bool readable = channel.access != Access::kWriteOnly;
+    const bool readable = channel.access != Access::kWriteOnly && !channel.unsolicited;
     if (name.empty() ? readable : channel.name == name) {
       if (write && channel.access == Access::kReadOnly)
         return fault(Cause::kReadOnly,
@@ -109,6 +109,11 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
                               ? "' is read-only; its configuration would have to say access: "
                                 "read-write"
                               : "' has an exponent of the device and cannot be written"));
+      if (!write && channel.unsolicited)
+        return fault(Cause::kUnsupported,
+                     "channel '" + channel.name +
+                         "' cannot be requested: the device sends it by itself; its last sample "
+                         "is the newest value");
       if (!write && !readable)
         return fault(Cause::kUnsupported, "channel '" + channel.name +
                                               "' is write-only; its configuration would have to "

@@ -92,7 +92,8 @@ void DeviceMonitor::responded(DeviceIndex index, ActionSink& sink) {
   DeviceHealth& health = devices_[index].health;
   const bool was_offline = health.offline();
   if (health.responded() && was_offline)
-    sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "responds again");
+    sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone,
+                probed_[index] ? "responds again" : "sends again");
 }
 
 void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration response_time) {
@@ -133,7 +134,8 @@ bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSi
   }
   device.forget();
   sink.notice(Notice::Kind::kDeviceLost, index, cause,
-              cause == Cause::kDeviceBusy
+              !probed_[index] ? "sends nothing any more"
+              : cause == Cause::kDeviceBusy
                   ? "reports that it cannot respond now; polled less and less often until it can"
                   : "does not respond; polled less and less often until it does");
   return true;

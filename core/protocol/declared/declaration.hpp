@@ -78,6 +78,11 @@ struct Field {
   friend bool operator==(const Field&, const Field&) = default;
 };
 
+// The character of an unused text in sent frames.
+[[nodiscard]] constexpr std::uint8_t blank_of(const Field& unused) {
+  return unused.number == 0 ? ' ' : static_cast<std::uint8_t>(unused.number);
+}
+
 struct Frame {
   std::vector<Field> fields;
   Escape escape = Escape::kNone;  // of the fields `escaped`, between the marks of the frame
@@ -121,6 +126,8 @@ struct Operation {
   std::uint16_t first = 0;  // for a write to a record: its first item
   Frame request, response;
   std::vector<Operation> before;  // rounds before the request, without areas
+  // Usual time between two frames that the device sends by itself; zero: it waits for `request`.
+  Duration unsolicited{};
   // Whether the response of a write can have the bytes of its request.
   [[nodiscard]] bool echoes() const;
   friend bool operator==(const Operation&, const Operation&) = default;
@@ -162,6 +169,11 @@ struct DeviceAddress {
 
 // Reads the frame as the one of the declaration that it matches best.
 [[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame);
+
+// See Protocol::find_unsolicited().
+[[nodiscard]] UnsolicitedFrame find_unsolicited(const Declaration& declaration,
+                                                std::uint64_t address, ByteView bytes,
+                                                bool boundary);
 
 [[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
 

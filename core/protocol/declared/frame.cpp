@@ -188,7 +188,7 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
     }
     if (field.opens) word = 0;
     if (field.kind == FieldKind::kUnused && field.text_size != 0) {
-      out.insert(out.end(), field.variable ? 0 : field.text_size, ' ');
+      out.insert(out.end(), field.variable ? 0 : field.text_size, blank_of(field));
       continue;
     }
     if (field.kind == FieldKind::kValue) {

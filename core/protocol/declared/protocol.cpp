@@ -38,6 +38,10 @@ class DeclaredProtocol final : public Protocol {
                 .window = each.record};
       for (const Operation& operation : declaration_->operations) {
         if (&declaration_->areas[operation.area] != &each) continue;
+        if (operation.unsolicited > Duration::zero()) {
+          area.unsolicited = operation.unsolicited;
+          continue;
+        }
         if (operation.write)
           area.writable = true, area.max_write = std::max(area.max_write, operation.max_count);
         else
@@ -121,6 +125,10 @@ class DeclaredProtocol final : public Protocol {
     return !x || !y || x->response_characters == y->response_characters;
   }
 
+  UnsolicitedFrame find_unsolicited(ByteView bytes, bool boundary) const override {
+    return declared::find_unsolicited(*declaration_, address_, bytes, boundary);
+  }
+
  private:
   struct Prepared {
     std::uint32_t request = 0, response = 0;            // characters without items
@@ -157,6 +165,7 @@ class DeclaredProtocol final : public Protocol {
     for (std::size_t i = 0; i < prepared_.size(); ++i) {
       const Operation& operation = declaration_->operations[i];
       if (operation.area != range.area || operation.write != (write != nullptr)) continue;
+      if (operation.unsolicited > Duration::zero()) continue;
       if (prepared_[i].record && write != nullptr) {
         if (operation.first != range.first || operation.max_count != range.count ||
             !values_fit(operation, *write))

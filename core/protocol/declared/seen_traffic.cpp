@@ -259,10 +259,12 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
   for (const Operation& round : declaration.login) offer_round(round);
   for (const Operation& operation : declaration.operations) {
     const unsigned bits = declaration.areas[operation.area].item_bits;
-    offer(Reader(declaration, operation.request, frame, operation.command, bits)
-              .run("request: " + operation.name, false));
+    const bool unsolicited = operation.unsolicited > Duration::zero();
+    if (!unsolicited)
+      offer(Reader(declaration, operation.request, frame, operation.command, bits)
+                .run("request: " + operation.name, false));
     offer(Reader(declaration, operation.response, frame, operation.command, bits)
-              .run("response: " + operation.name, false));
+              .run((unsolicited ? "unsolicited: " : "response: ") + operation.name, false));
     for (const Operation& round : operation.before) offer_round(round);
     if (declaration.refusal.fields.empty()) continue;
     offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)

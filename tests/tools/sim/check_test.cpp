@@ -20,7 +20,14 @@ std::string failures(const CheckRows& rows) {
   return text;
 }
 
-void expect_all_pass(const std::vector<Subject>& subjects) {
+constexpr std::initializer_list<const char*> kOfRequests{
+    "read",         "notation",      "splits",  "truncations",  "flipped bits",
+    "noise before", "device errors", "silence", "late response"};
+constexpr std::initializer_list<const char*> kOfUnsolicited{
+    "values", "notation", "splits", "truncations", "flipped bits", "noise before", "late response"};
+
+void expect_all_pass(const std::vector<Subject>& subjects,
+                     std::initializer_list<const char*> checks = kOfRequests) {
   ASSERT_FALSE(subjects.empty());
   for (const Subject& subject : subjects) {
     const CheckRows rows = sim_check(subject);
@@ -30,8 +37,7 @@ void expect_all_pass(const std::vector<Subject>& subjects) {
       EXPECT_TRUE(row.tried > 0 || !row.note.empty())
           << row.check << ", " << row.where << " was not tried, and nobody says why";
     }
-    for (const char* check : {"read", "notation", "splits", "truncations", "flipped bits",
-                              "noise before", "device errors", "silence", "late response"}) {
+    for (const char* check : checks) {
       EXPECT_TRUE(std::ranges::any_of(rows, [&](const CheckRow& row) {
         return row.check == check && row.tried > 0;
       })) << check;
@@ -83,6 +89,14 @@ INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });
+
+TEST(SimCheck, DevicesThatAreNeverRequestedPassTheirMatrix) {
+  for (const char* name : {"nmea-0183", "scale-stream"}) {
+    const auto declaration = config::load_declaration(name);
+    ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
+    expect_all_pass(subjects_of(*declaration), kOfUnsolicited);
+  }
+}
 
 Subject declared_as(const std::string& text) {
   auto declaration = config::load_declaration_text(text, "mine.yaml");

@@ -191,7 +191,14 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
   std::vector<std::string> lines{painted(printable(verdict(plan)),
                                          plan.prediction.feasible ? Tone::kGood : Tone::kBad,
                                          screen.colour)};
-  const auto unread = std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt);
+  std::ptrdiff_t unsolicited = 0;
+  for (const DeviceSpec& device : plan.bus->devices)
+    unsolicited += std::ranges::count_if(device.channels, &ChannelSpec::unsolicited);
+  const auto unread =
+      std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt) - unsolicited;
+  if (unsolicited != 0)
+    lines.push_back(fmt::format(
+        "{} channels are sent by their devices by themselves; they are not planned", unsolicited));
   if (unread != 0)
     lines.push_back(
         fmt::format("{} channels are read only when somebody asks, and cost nothing here", unread));

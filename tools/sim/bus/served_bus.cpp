@@ -1,6 +1,7 @@
 #include "tools/sim/bus/served_bus.hpp"
 
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <algorithm>

@@ -179,18 +179,38 @@ Instant BusLine::silence_due() const {
   return due;
 }
 
+Instant BusLine::unsolicited_due() const {
+  Instant due = kNever;
+  for (const auto& receiver : receivers_) due = std::min(due, receiver->sends_at());
+  return due;
+}
+
+void BusLine::send_unsolicited(Instant at) {
+  for (std::size_t device = 0; device < receivers_.size(); ++device) {
+    if (receivers_[device]->sends_at() > at) continue;
+    Reaction reaction;
+    receivers_[device]->send(at, reaction);
+    if (!bus_.members_[device].dice.dead(at - bus_.start_)) say(device, reaction, at);
+  }
+}
+
 Instant BusLine::next_due() const {
-  return std::min({wire_.next_due(), silence_due(), next_babble_, next_foreign_});
+  return std::min(
+      {wire_.next_due(), silence_due(), unsolicited_due(), next_babble_, next_foreign_});
 }
 
 void BusLine::advance(Instant now, Bytes& to_master) {
   for (;;) {
-    if (const auto passed = wire_.advance(std::min({now, next_babble_, next_foreign_}))) {
+    const Instant unsolicited = unsolicited_due();
+    if (const auto passed =
+            wire_.advance(std::min({now, unsolicited, next_babble_, next_foreign_}))) {
       if (passed->sender != kMaster) {
         append(to_master, passed->characters);
         bus_.statistics_.bytes_sent += passed->characters.size();
       }
       deliver(*passed);
+    } else if (unsolicited <= std::min({now, next_babble_, next_foreign_})) {
+      send_unsolicited(unsolicited == kLongAgo ? now : unsolicited);
     } else if (next_babble_ <= now && next_babble_ <= next_foreign_) {
       babble(next_babble_);
     } else if (next_foreign_ <= now) {

@@ -88,6 +88,8 @@ class BusLine {
   void send_to_foreign(Instant now);
   [[nodiscard]] Instant silence_due() const;
   void be_silent(Instant at);
+  [[nodiscard]] Instant unsolicited_due() const;
+  void send_unsolicited(Instant at);
 
   SimBus& bus_;
   Wire wire_;

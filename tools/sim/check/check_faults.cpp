@@ -103,6 +103,7 @@ class LateBus {
         channel.range = slot.range;
         channel.encoding = encoding_of(slot);
         channel.refresh = 500ms;
+        channel.unsolicited = shape.unsolicited > Duration::zero();
         spec.channels.push_back(channel);
         expected_.push_back(
             decode_value(channel.encoding, shape.item_bits, image).value_or(Value{false}));

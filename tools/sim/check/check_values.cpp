@@ -72,6 +72,7 @@ class ValueCheck {
     const auto types = all_types();
     for (std::size_t i = 0; i < requests_.protocol().areas().size(); ++i) {
       const auto area = static_cast<AreaIndex>(i);
+      if (requests_.protocol().areas()[i].unsolicited > Duration::zero()) continue;
       const auto places = requests_.places(area);
       rows_.push_back({.check = "read", .where = name(area)});
       read_ = rows_.size() - 1;

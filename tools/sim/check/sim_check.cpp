@@ -13,14 +13,19 @@
 namespace fieldcast::sim {
 
 CheckRows sim_check(const Subject& subject, const std::function<void(double share)>& on_share) {
-  constexpr std::array kParts{check_values, check_notation, check_responses, check_faults,
-                              check_late};
+  constexpr std::array kParts{check_values, check_notation, check_responses,
+                              check_faults, check_late,     check_unsolicited};
   CheckRows rows;
   for (std::size_t i = 0; i < kParts.size(); ++i) {
     kParts[i](subject, rows);
     if (on_share) on_share(static_cast<double>(i + 1) / kParts.size());
   }
-  for (CheckRow& row : rows) row.variant = subject.variant;
+  const Requests requests(subject);
+  for (CheckRow& row : rows) {
+    row.variant = subject.variant;
+    if (row.tried == 0 && row.note.empty() && requests.examples().empty())
+      row.note = "the device is never requested: see unsolicited frames";
+  }
   return rows;
 }
 
@@ -191,6 +196,7 @@ std::string fault_of(const Subject& subject, const Protocol& protocol, const std
   channel.at = at;
   channel.encoding = natural_encoding(*address, area, subject.device.declaration.value.get());
   channel.range = {address->area, address->first, item_count(channel.encoding, area.item_bits)};
+  channel.unsolicited = area.unsolicited > Duration::zero();
   channel.limits.low = 1;  // its waveform is never 0
   channel.limits.high = 2;
   Subject one = subject;
@@ -199,6 +205,7 @@ std::string fault_of(const Subject& subject, const Protocol& protocol, const std
     LiveDevice live(one);
     if (!shows(live.device(), area.name, channel.range, channel.encoding, live.now()))
       return "the simulated device keeps it elsewhere";
+    if (channel.unsolicited) return {};
     const RunOutcome read =
         live.run(protocol.begin(ReadRequest{{aligned(channel.range, area)}}, {1}));
     return read.done ? std::string{} : "reading it: " + read.text();

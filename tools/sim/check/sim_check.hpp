@@ -42,5 +42,6 @@ void check_notation(const Subject& subject, CheckRows& rows);
 void check_responses(const Subject& subject, CheckRows& rows);
 void check_faults(const Subject& subject, CheckRows& rows);
 void check_late(const Subject& subject, CheckRows& rows);
+void check_unsolicited(const Subject& subject, CheckRows& rows);
 
 }  // namespace fieldcast::sim

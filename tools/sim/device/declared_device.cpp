@@ -21,7 +21,11 @@ class DeclaredReceiver : public GapReceiver {
  public:
   // Three characters: less than the pause of any master before its next request.
   DeclaredReceiver(DeclaredDevice& device, const LineFormat& line, bool stream)
-      : GapReceiver(line, stream ? kStreamGap : line.characters(3)), device_(device) {}
+      : GapReceiver(line, stream ? kStreamGap : line.characters(3)), device_(device) {
+    for (const Operation& operation : device.declaration().operations) {
+      if (operation.unsolicited > Duration::zero()) unsolicited_.push_back({&operation, kLongAgo});
+    }
+  }
 
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     heard(end, reaction);
@@ -32,8 +36,31 @@ class DeclaredReceiver : public GapReceiver {
     ready(taken == DeclaredDevice::Taken::kNothing || reaction.response.empty());
   }
 
+  [[nodiscard]] Instant sends_at() const override {
+    Instant next = kNever;
+    for (const Unsolicited& each : unsolicited_) next = std::min(next, each.next);
+    return next;
+  }
+  void send(Instant now, Reaction& reaction) override {
+    for (Unsolicited& each : unsolicited_) {
+      if (each.next > now) continue;
+      const Duration period = each.operation->unsolicited;
+      if (each.next == kLongAgo) {
+        each.next = now + device_.first_frame_after(period);
+        continue;
+      }
+      each.next = now + period;
+      append(reaction.response, device_.unsolicited(*each.operation, now));
+    }
+  }
+
  private:
+  struct Unsolicited {
+    const Operation* operation = nullptr;
+    Instant next;
+  };
   DeclaredDevice& device_;
+  std::vector<Unsolicited> unsolicited_;
 };
 
 std::vector<ItemArea> areas_of(const declared::Declaration& declaration) {
@@ -93,6 +120,7 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
   }
   std::optional<std::pair<const Operation*, DeclaredText>> outside;  // its area has no such items
   for (const Operation& operation : declaration_->operations) {
+    if (operation.unsolicited > Duration::zero()) continue;
     DeclaredMatch received = on_request(*declaration_, operation, bytes, address_.text);
     more = more || received.fit == DeclaredMatch::Fit::kMore;
     if (received.fit != DeclaredMatch::Fit::kWhole || received.contradicts) continue;
@@ -170,6 +198,16 @@ Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Ins
   if (operation.write) store(operation, text);
   fill(operation, now, text);
   ++statistics_.responses;
+  return say(operation.response, declaration_->areas[operation.area].item_bits, text);
+}
+
+Bytes DeclaredDevice::unsolicited(const Operation& operation, Instant now) {
+  ++statistics_.responses;
+  DeclaredText text;
+  text.address = address_.number;
+  text.name = address_.text;
+  text.command = operation.command;
+  fill(operation, now, text);
   return say(operation.response, declaration_->areas[operation.area].item_bits, text);
 }
 

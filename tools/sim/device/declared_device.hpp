@@ -20,6 +20,14 @@ class DeclaredDevice : public MemoryDevice {
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
   // Parses all bytes since the last silence or response. kDone, empty `response`: stay silent.
   [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& response);
+  // The frame that the device sends by itself. REQUIRES: the operation has no request.
+  [[nodiscard]] Bytes unsolicited(const declared::Operation& operation, Instant now);
+  // Devices of one line begin at different times, so that their frames do not collide.
+  [[nodiscard]] Duration first_frame_after(Duration period) const {
+    constexpr std::uint64_t kSlots = 8;
+    return period * static_cast<std::int64_t>(address_.number % kSlots) / kSlots;
+  }
+  [[nodiscard]] const declared::Declaration& declaration() const { return *declaration_; }
   [[nodiscard]] std::optional<ItemAddress> parse_address(std::string_view at) const;
 
  private:

@@ -412,7 +412,7 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       const auto found = text.texts.find(&field);
       if (found != text.texts.end()) parts[i].assign(found->second.begin(), found->second.end());
       if (!field.variable)
-        parts[i].resize(field.text_size, field.kind == FieldKind::kUnused ? ' ' : '\0');
+        parts[i].resize(field.text_size, field.kind == FieldKind::kUnused ? blank_of(field) : 0);
     } else {
       if (field.opens) word = 0, opened = i;
       word |= (spoken(field, text) & mask(field.bits)) << field.shift;

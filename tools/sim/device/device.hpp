@@ -51,6 +51,10 @@ class Receiver {
   [[nodiscard]] virtual Instant silence_due() const { return kNever; }
   // The line was silent until `now`, which is not before silence_due().
   virtual void on_silence([[maybe_unused]] Instant now, [[maybe_unused]] Reaction& reaction) {}
+  // When the device sends a frame by itself; kLongAgo: immediately, kNever: never.
+  [[nodiscard]] virtual Instant sends_at() const { return kNever; }
+  // REQUIRES: sends_at() <= now.
+  virtual void send([[maybe_unused]] Instant now, [[maybe_unused]] Reaction& reaction) {}
 };
 
 // A receiver that a silence on the line makes ready for the next frame. A derived on_character()

@@ -1,0 +1,166 @@
+// Devices that send frames without a request, in virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "config/loader/loader.hpp"
+#include "tests/bus/virtual_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::VirtualBus;
+
+// Sends its state by itself, and accepts commands and requests for its settings.
+constexpr auto kScale = R"(
+summary: a scale
+addresses: { from: 1, to: 9 }
+areas:
+  - { name: weighing, record: true }
+  - { name: settings, record: true }
+  - { name: tare, trigger: true }
+operations:
+  - name: weight
+    read: weighing
+    unsolicited: 100ms
+    answer:
+      - { name: begin, constant: 2 }
+      - { is: address }
+      - { name: weight, is: value, text: decimal(7) }
+      - { is: checksum, kind: xor, of: address..weight, as: hex, digits: 2 }
+      - { name: end, constant: "\r\n" }
+  - name: settings
+    read: settings
+    request: [{ name: ask, constant: "?" }, { is: address }, { name: end, constant: "\r\n" }]
+    answer:
+      - { name: begin, constant: "=" }
+      - { is: address }
+      - { name: zero-band, is: value, bytes: 2 }
+      - { is: checksum, kind: xor, of: address..zero-band, as: hex, digits: 2 }
+      - { name: end, constant: "\r\n" }
+  - name: tare
+    write: tare
+    request: [{ name: ask, constant: "T" }, { is: address }, { name: end, constant: "\r\n" }]
+    answer: [{ name: done, constant: "OK" }, { is: address }, { name: end, constant: "\r\n" }]
+)";
+
+BusSpec line(const std::string& devices) {
+  const config::FileReader reader{
+      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
+        if (path == "protocols/scale.yaml") return kScale;
+        return tl::unexpected(config::FileError::kMissing);
+      },
+      {}};
+  const auto loaded = config::load_text(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0, baud: 19200 }\n"
+      "    protocol: scale\n    devices:\n" +
+          devices,
+      "plant.yaml", reader);
+  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
+  return loaded->buses[0];
+}
+
+BusSpec two_scales() {
+  return line(
+      "      - { name: a, address: 1, channels: [{ name: w, at: weight, type: float64, "
+      "refresh: 300ms }] }\n"
+      "      - { name: b, address: 2, channels: [{ name: w, at: weight, type: float64, "
+      "refresh: 300ms }] }\n");
+}
+
+TEST(Unsolicited, FramesAreSamplesAndNothingIsSent) {
+  VirtualBus bus(two_scales(), {}, 1);
+  bus.run_until(bus.now() + 10s);
+  EXPECT_EQ(bus.sends(), 0u);
+  for (const auto& channel : bus.channels()) {
+    EXPECT_GE(channel.good, 98u);
+    EXPECT_LE(channel.good, 101u);
+    EXPECT_LE(channel.longest_gap, 110ms);
+    EXPECT_EQ(channel.quality, Quality::kGood);
+  }
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOnline);
+}
+
+TEST(Unsolicited, SilenceIsAMissedRefreshWithItsCause) {
+  sim::BusFaults faults;
+  faults.devices["b"].silence = {{5s, 8s}};
+  VirtualBus bus(two_scales(), faults, 1);
+  bus.run_until(bus.now() + 5450ms);
+  EXPECT_EQ(bus.channels()[0].quality, Quality::kGood);
+  EXPECT_EQ(bus.channels()[1].quality, quality_of(Cause::kNoResponse));
+  bus.run_until(bus.now() + 1s);
+  EXPECT_EQ(bus.engine().device_report(1, bus.now()).state, DeviceState::kOffline);
+  ASSERT_FALSE(bus.notices().empty());
+  EXPECT_EQ(bus.notices().back().kind, Notice::Kind::kDeviceLost);
+  EXPECT_EQ(bus.notices().back().text, "sends nothing any more");
+  bus.run_until(bus.now() + 2s);
+  EXPECT_EQ(bus.channels()[1].quality, Quality::kGood);
+  EXPECT_EQ(bus.notices().back().kind, Notice::Kind::kDeviceBack);
+  EXPECT_EQ(bus.channels()[0].bad, 0u);
+}
+
+TEST(Unsolicited, AChannelIsNotReadOnRequest) {
+  VirtualBus bus(two_scales(), {}, 1);
+  bus.run_until(bus.now() + 1s);
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.requester = "test";
+  command.device = "a";
+  command.target = ChannelTarget{"w"};
+  bus.command(command);
+  bus.run_until(bus.now() + 1s);
+  ASSERT_EQ(bus.results().size(), 1u);
+  const CommandResult& result = bus.results().begin()->second.front();
+  EXPECT_EQ(result.cause, Cause::kUnsupported);
+  EXPECT_THAT(result.reason, testing::HasSubstr("the device sends it by itself"));
+}
+
+// Requests and responses share the line with the frames, some of which collide.
+TEST(Unsolicited, ADeviceIsPolledAndCommandedAsWell) {
+  VirtualBus bus(line("      - name: a\n        address: 1\n        channels:\n"
+                      "          - { name: w, at: weight, type: float64, refresh: 500ms }\n"
+                      "          - { name: z, at: zero-band, type: uint16, refresh: 1s }\n"
+                      "          - { name: t, at: tare, access: write-only }\n"),
+                 {}, 1);
+  bus.run_until(bus.now() + 2s);
+  for (int i = 0; i < 20; ++i) {
+    Command tare;
+    tare.requester = "test";
+    tare.device = "a";
+    tare.target = ChannelTarget{"t"};
+    tare.values = {Value{true}};
+    bus.command(tare);
+    bus.run_until(bus.now() + 500ms);
+  }
+  ASSERT_EQ(bus.results().size(), 20u);
+  for (const auto& [id, results] : bus.results()) EXPECT_EQ(results.size(), 1u);
+  EXPECT_GE(bus.channels()[0].good, 100u);
+  EXPECT_GE(bus.channels()[1].good, 10u);
+  EXPECT_EQ(bus.channels()[0].quality, Quality::kGood);
+  EXPECT_EQ(bus.channels()[1].quality, Quality::kGood);
+}
+
+TEST(Unsolicited, NoWrongValueOnANoisyLine) {
+  sim::BusFaults faults;
+  faults.noise = 0.002;
+  faults.babble = 3;
+  for (const char* device : {"a", "b"}) {
+    faults.devices[device].truncate = 0.05;
+    faults.devices[device].doubled = 0.05;
+    faults.devices[device].late_probability = 0.1;
+    faults.devices[device].late = 40ms;
+  }
+  const BusSpec spec = two_scales();
+  VirtualBus bus(spec, faults, 3);
+  bus.judge = [](ChannelIndex, const Value& value) {
+    const auto* number = std::get_if<double>(&value);
+    return number != nullptr && *number >= 0 && *number <= 1000 ? "" : "wrong value";
+  };
+  bus.run_until(bus.now() + 120s);
+  for (const auto& channel : bus.channels()) EXPECT_GE(channel.good, 200u);
+}
+
+}  // namespace
+}  // namespace fieldcast
