@@ -74,7 +74,7 @@ void Stream::push(ByteView bytes) {
   switch (unsent_.write(fd(), bytes)) {
     case Unsent::Outcome::kAllSent: return;
     case Unsent::Outcome::kBlocked: return wait_for_space();
-    case Unsent::Outcome::kFailed: return fail_later({errno_text(errno)});
+    case Unsent::Outcome::kFailed: return fail_later(end_of(errno));
     case Unsent::Outcome::kFull: return fail_later({"the line takes no bytes"});
   }
 }
@@ -105,6 +105,7 @@ bool Stream::take() {
     if (!over_) acknowledge(fd());
     return true;
   }
+  if (size == 0 && datagrams()) return true;
   if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
   fail(end_of(size == 0 ? 0 : errno));
   return false;
@@ -120,7 +121,8 @@ void Stream::sleep() {
 
 void Stream::drop_stale() {
   std::array<std::uint8_t, 512> stale;
-  while (::read(fd(), stale.data(), stale.size()) == static_cast<ssize_t>(stale.size())) {}
+  const ssize_t more = datagrams() ? 0 : static_cast<ssize_t>(stale.size());
+  while (::read(fd(), stale.data(), stale.size()) >= more) {}
 }
 
 void Stream::wait_for_space() {
@@ -205,6 +207,11 @@ Stream::End SocketStream::end_of(int error) const {
         Cause::kPortInUse};
   }
   return {error == 0 ? std::string("closed by the peer") : errno_text(error)};
+}
+
+Stream::End DatagramStream::end_of(int error) const {
+  if (error != ECONNREFUSED) return {errno_text(error)};
+  return {"no program receives datagrams there (ICMP: port unreachable)", Cause::kPortUnreachable};
 }
 
 std::shared_ptr<SocketStream> make_socket_stream(asio::io_context& io, FileDescriptor socket,

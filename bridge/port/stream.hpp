@@ -59,6 +59,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   virtual void before_close(int fd) = 0;
   // After received bytes, and what was sent because of them.
   virtual void acknowledge(int) {}
+  // Each read is a datagram, which may be empty.
+  [[nodiscard]] virtual bool datagrams() const { return false; }
 
  private:
   [[nodiscard]] int fd() const { return descriptor_.get(); }
@@ -123,6 +125,20 @@ class SocketStream final : public Stream {
 
   const Clients clients_;
   const Instant began_;
+};
+
+// A connected UDP socket: datagrams of other senders are not received.
+class DatagramStream final : public Stream {
+ public:
+  DatagramStream(boost::asio::io_context& io, PortListener& listener)
+      : Stream(io, listener, Unsent::Kind::kSocket) {}
+  ~DatagramStream() override { close(); }
+
+ private:
+  std::optional<End> restore(int) override { return std::nullopt; }
+  End end_of(int error) const override;
+  void before_close(int) override {}
+  [[nodiscard]] bool datagrams() const override { return true; }
 };
 
 // Returns null if the socket is no longer usable.

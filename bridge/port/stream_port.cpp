@@ -1,10 +1,12 @@
 #include "bridge/port/stream_port.hpp"
 
 #include <fmt/format.h>
+#include <sys/socket.h>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
@@ -132,9 +134,47 @@ class TcpOpening final : public PortOpening {
   asio::steady_timer limit_;
 };
 
+// Resolves the name; the socket then has no peer that could refuse it.
+class UdpOpening final : public PortOpening {
+ public:
+  UdpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
+      : PortOpening(io, listener), spec_(spec), resolver_(io) {}
+
+  void begin() override {
+    resolver_.async_resolve(
+        spec_.host, std::to_string(spec_.port),
+        [self = self_as<UdpOpening>()](boost::system::error_code fault,
+                                       const asio::ip::udp::resolver::results_type& found) {
+          if (self->over_) return;
+          if (fault)
+            return self->fail(fmt::format("host name '{}': {}", self->spec_.host, fault.message()),
+                              Cause::kPortUnreachable);
+          self->connect(found.begin()->endpoint());
+        });
+  }
+
+ private:
+  void connect(const asio::ip::udp::endpoint& peer) {
+    const int kind = SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC;
+    FileDescriptor socket(::socket(peer.protocol().family(), kind, 0));
+    if (!socket || ::connect(socket.get(), peer.data(), static_cast<socklen_t>(peer.size())) != 0)
+      return fail(errno_text(errno), Cause::kPortUnreachable);
+    auto stream = std::make_shared<DatagramStream>(io_, listener_);
+    if (!stream->assign(std::move(socket)))
+      return fail("the socket is not usable", Cause::kPortUnreachable);
+    opened(std::move(stream));
+  }
+
+  void cancel() override { resolver_.cancel(); }
+
+  TcpPortSpec spec_;
+  asio::ip::udp::resolver resolver_;
+};
+
 }  // namespace
 
 std::shared_ptr<PortOpening> TcpPort::make_opening(PortListener& listener) {
+  if (spec_.datagrams) return std::make_shared<UdpOpening>(io_, spec_, listener);
   return std::make_shared<TcpOpening>(io_, spec_, listener);
 }
 

@@ -57,7 +57,8 @@ class StreamPort : public Port {
   std::shared_ptr<PortOpening> opening_;  // shared with pending handlers
 };
 
-// TCP client: for a Modbus TCP device, or a serial server that forwards the bytes of a line.
+// TCP client, for a Modbus TCP device or a serial server that forwards the bytes of a line; or the
+// UDP socket of a device whose frames are datagrams.
 class TcpPort final : public StreamPort {
  public:
   TcpPort(boost::asio::io_context& io, TcpPortSpec spec) : io_(io), spec_(std::move(spec)) {}

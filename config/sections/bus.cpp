@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "config/document/common_forms.hpp"
@@ -29,8 +30,8 @@ void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
 // Responses of one connection are matched with the requests by a number in the frames.
 void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& faults) {
   if (spec.in_flight == 1) return;
-  const auto fault = [&](std::string what, std::string allowed) {
-    faults.add(map.position_of("in-flight"), "in-flight: " + std::move(what), std::move(allowed));
+  const auto fault = [&](const std::string& what, const std::string& allowed) {
+    faults.add(map.position_of("in-flight"), "in-flight: " + what, allowed);
   };
   if (spec.gateway)
     return fault("clients of a gateway read between the requests of the bus",
@@ -123,7 +124,36 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_devices(map, context, spec, state);
   read_gateway(map, spec);
   check_in_flight(spec, map, state.faults);
+  if (const auto fault = datagram_fault(spec))
+    state.faults.add(map.position_of("port"), fault->what, fault->allowed);
   return spec;
+}
+
+std::optional<DatagramFault> datagram_fault(const BusSpec& spec) {
+  for (const DeviceSpec& device : spec.devices) {
+    const ProtocolEntry* entry = find_protocol(device.protocol);
+    const std::string option(entry == nullptr ? "" : entry->datagram_option);
+    const bool has_option = !option.empty() && device.link.options.contains(option);
+    const std::string over_udp = device.protocol + " over UDP";
+    if (!has_datagrams(spec.port)) {
+      if (has_option) return {{option + " is for UDP", "port: { udp: HOST:PORT }"}};
+      continue;
+    }
+    if (entry != nullptr && entry->stream_only && !has_option) {
+      if (option.empty()) return {{over_udp, "port: { tcp: HOST:PORT }"}};
+      return {{fmt::format("{} without {}", over_udp, option),
+               fmt::format("options: {{ {}: 1 to 254 }}", option)}};
+    }
+    const auto protocol = make_protocol(device, line_of(spec.port));
+    if (!protocol || (*protocol)->traits().identity == ResponseIdentity::kSequence) continue;
+    const bool only_listens =
+        !device.channels.empty() && std::ranges::all_of(device.channels, &ChannelSpec::unsolicited);
+    if (!only_listens)
+      return {{over_udp + ": its responses do not name their request, so that a late or doubled "
+                          "one would be taken for the next",
+               "port: { tcp: HOST:PORT }"}};
+  }
+  return std::nullopt;
 }
 
 void read_capture(MapReader& bus, std::optional<CaptureSpec>& spec) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "config/document/document.hpp"
 #include "config/document/map_reader.hpp"
@@ -11,6 +12,13 @@ namespace fieldcast::config {
 
 // Adds faults; with faults the result is incomplete.
 [[nodiscard]] BusSpec read_bus(const Node& node, LoadState& state);
+
+struct DatagramFault {
+  std::string what, allowed;
+};
+// Why a port of `udp` cannot carry these devices: the network doubles, delays and reorders
+// datagrams, so each response must name its request; or why another port cannot.
+[[nodiscard]] std::optional<DatagramFault> datagram_fault(const BusSpec& spec);
 
 // The silence between a response and the next request: "standard", "3.5c" or a duration.
 struct SilenceReader {

@@ -173,6 +173,16 @@ PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
+PortSpec read_udp(MapReader& map, const LineFormat& factory) {
+  TcpPortSpec port;
+  port.datagrams = true;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("udp", endpoint, HostPortRule{}))
+    port.host = endpoint.first, port.port = endpoint.second;
+  port.line = read_far_line(map, factory);
+  return port;
+}
+
 PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
   DialInPortSpec port;
   map.read("dial-in", port.number, DeviceNumberRule{});
@@ -186,13 +196,14 @@ struct PortType {
   std::vector<std::string_view> takes;
   PortSpec (*read)(MapReader& map, const LineFormat& factory);
 };
-const std::array<PortType, 3>& port_types() {
-  static const std::array<PortType, 3> types{{
+const std::array<PortType, 4>& port_types() {
+  static const std::array<PortType, 4> types{{
       {"serial",
        "PATH",
        {"baud", "format", "rs485", "low-latency", "exclusive", "fence", "hold"},
        read_serial},
       {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout", "fence", "hold"}, read_tcp},
+      {"udp", "HOST:PORT", {"baud", "format"}, read_udp},
       {"dial-in", "NUMBER", {"baud", "format"}, read_dial_in},
   }};
   return types;
@@ -204,7 +215,7 @@ std::vector<std::string_view> type_keys() {
   return keys;
 }
 
-// "serial nor tcp nor dial-in".
+// "serial nor tcp nor udp nor dial-in".
 std::string joined_with(std::string_view word) {
   std::string text;
   for (const auto key : type_keys()) {
@@ -319,11 +330,12 @@ const RowTable& port_rows() {
                     "move",
             .schema = R"({ "type": "string", "minLength": 1 })"}},
           row({.name = "tcp", .text = "of a TCP device or a serial server"}, HostPortRule{}),
+          row({.name = "udp", .text = "of a device whose frames are datagrams"}, HostPortRule{}),
           row({.name = "dial-in",
                .text = "device number of a module that dials in (`program`, `modules`)"},
               DeviceNumberRule{}),
           row({"baud", factory_bauds(),
-               "with `tcp` or `dial-in`: of the line behind a serial server, so that its "
+               "with `tcp`, `udp` or `dial-in`: of the line behind a serial server, so that its "
                "load can be planned; without it a plain TCP device"},
               BaudRule{}),
           row({"format", factory_formats(), "data bits, parity, stop bits: `8N1`, `7E2`"},

@@ -82,7 +82,9 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
 }
 
 void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
-  if (parts_.wires.size() > 1) {
+  if (state_ == BusState::kRunning && parts_.listener.active())
+    outcomes_.take_unsolicited(parts_.listener.on_bytes(event.bytes, now), now, sink);
+  if (parts_.wires.size() > 1 || parts_.setup.datagrams()) {
     if (state_ == BusState::kRunning) take_frames(event.bytes, now, sink);
     return;
   }
@@ -113,6 +115,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
 }
 
 void BusEngine::take_frames(ByteView bytes, Instant now, ActionSink& sink) {
+  if (parts_.setup.datagrams()) return take_frame(bytes, now, sink);
   append(stream_, bytes);
   while (!stream_.empty() && state_ == BusState::kRunning) {
     const auto size = parts_.setup.first_frame(stream_);

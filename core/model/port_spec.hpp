@@ -40,6 +40,7 @@ struct SerialPortSpec {
   FenceSpec fence{};
 
   static constexpr bool kOverNetwork = false;
+  [[nodiscard]] static bool has_datagrams() { return false; }
   [[nodiscard]] std::string name() const { return path; }  // "/dev/ttyUSB0"
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
@@ -52,9 +53,13 @@ struct TcpPortSpec {
   std::optional<LineFormat> line;
   Duration connect_timeout = std::chrono::seconds{3};
   FenceSpec fence{};
+  bool datagrams = false;  // UDP: each frame is a datagram
 
   static constexpr bool kOverNetwork = true;
-  [[nodiscard]] std::string name() const { return host + ':' + std::to_string(port); }
+  [[nodiscard]] bool has_datagrams() const { return datagrams; }
+  [[nodiscard]] std::string name() const {
+    return (datagrams ? "udp " : "") + host + ':' + std::to_string(port);
+  }
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
 };
@@ -65,6 +70,7 @@ struct DialInPortSpec {
   FenceSpec fence{};               // unused: a module has one connection
 
   static constexpr bool kOverNetwork = true;
+  [[nodiscard]] static bool has_datagrams() { return false; }
   [[nodiscard]] std::string name() const { return "dial-in " + number; }
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
@@ -80,6 +86,7 @@ using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 
 [[nodiscard]] bool over_network(const PortSpec& port);
 [[nodiscard]] bool has_line(const PortSpec& port);
+[[nodiscard]] bool has_datagrams(const PortSpec& port);
 
 [[nodiscard]] const FenceSpec& fence_of(const PortSpec& port);
 

@@ -60,11 +60,13 @@ struct ProtocolEntry {
   LineFormat factory_line{};                    // factory setting of the devices
   // Null if several requests cannot be in flight: its responses do not identify their requests.
   Framer first_frame = nullptr;
-  bool network_only = false;    // frames its own stream, so no serial line carries it
-  bool whole_bytes = false;     // needs 8 data bits
-  std::string_view instead{};   // protocol to use if one of these two rules is broken
-  bool one_device = false;      // a device has its own line
-  bool carrier_checks = false;  // its frames have no check of their own
+  bool network_only = false;  // frames its own stream, so no serial line carries it
+  bool stream_only = false;   // its frames are not datagrams, or only with `datagram_option`
+  std::string_view datagram_option{};  // needs a port of UDP
+  bool whole_bytes = false;            // needs 8 data bits
+  std::string_view instead{};          // protocol to use if one of these two rules is broken
+  bool one_device = false;             // a device has its own line
+  bool carrier_checks = false;         // its frames have no check of their own
   // Wireshark's own dissector; empty: that of share/wireshark/fieldcast.lua.
   std::string_view dissector{};
   std::span<const ProtocolAlias> aliases{};

@@ -1,5 +1,5 @@
-"""Tests the bridge with Modbus devices of other authors, libmodbus and pymodbus, over serial lines
-and TCP at the same time.
+"""Tests the bridge with Modbus devices of other authors, libmodbus and pymodbus, over serial lines,
+TCP and UDP at the same time.
 
 usage: bridge_peers_test.py BIN_FOLDER LIBMODBUS_SERVER
 """
@@ -77,6 +77,10 @@ class BridgePeersTest(unittest.TestCase):
                 stack.enter_context(Program(*server, "tcp", port)).wait_ready()
                 text += bus(name, f'tcp: "127.0.0.1:{port}"', "modbus-tcp", 1)
                 buses.append(name)
+            port = free_port()  # of TCP: a server of datagrams takes the same number
+            stack.enter_context(Program(sys.executable, PYMODBUS, "udp", port)).wait_ready()
+            text += bus("pymodbus-udp", f'udp: "127.0.0.1:{port}"', "modbus-tcp", 1)
+            buses.append("pymodbus-udp")
             self.file = os.path.join(folder, "bridge.yaml")
             with open(self.file, "w", encoding="utf-8") as file:
                 file.write(text)

@@ -3,6 +3,7 @@
 usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, unit 1
        pymodbus_server.py ascii PATH [BAUD [UNIT]]
        pymodbus_server.py tcp PORT [UNIT]            127.0.0.1
+       pymodbus_server.py udp PORT [UNIT]            127.0.0.1, the frames of TCP as datagrams
        --registers FILE     JSON of {"first holding register": [values]}; all others are refused
 
 Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
@@ -18,11 +19,11 @@ import sys
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext, ModbusSparseDataBlock
 
 try:  # version 3.0 of Debian 12
-    from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
+    from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer, ModbusUdpServer
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
 except ImportError:  # version 3.8 of Debian 13
     from pymodbus.framer import FramerType
-    from pymodbus.server import ModbusSerialServer, ModbusTcpServer
+    from pymodbus.server import ModbusSerialServer, ModbusTcpServer, ModbusUdpServer
     ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer = FramerType.ASCII, FramerType.RTU, FramerType.SOCKET
     OLD = False
 else:
@@ -49,12 +50,14 @@ async def serve(kind, place, numbers):
     if kind == "tcp":
         server = ModbusTcpServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)),
                                  **({"allow_reuse_address": True} if OLD else {}))
+    elif kind == "udp":
+        server = ModbusUdpServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)))
     else:
         framer = ModbusRtuFramer if kind == "rtu" else ModbusAsciiFramer
         baud, unit = numbers + [115200, 1][len(numbers):]
         server = ModbusSerialServer(memory(unit), framer=framer, port=place, baudrate=baud, bytesize=8, parity="N", stopbits=1,
                                     ignore_missing_slaves=True, timeout=1)
-    if OLD and kind == "tcp":
+    if OLD and kind not in ("rtu", "ascii"):
         running = asyncio.ensure_future(server.serve_forever())
         await server.serving
     elif OLD:
@@ -84,7 +87,7 @@ def main():
         at = sys.argv.index("--registers")
         REGISTERS = registers_of(sys.argv[at + 1])
         del sys.argv[at:at + 2]
-    if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp"):
+    if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp", "udp"):
         sys.exit(__doc__)
     asyncio.run(serve(sys.argv[1], sys.argv[2], [int(n) for n in sys.argv[3:]]))
 

@@ -117,7 +117,7 @@ int main(int argc, char** argv) {
   Arguments given;
   CommandLine line("fieldcast-sim",
                    "Simulates the plant of a configuration: a pseudo-terminal at each serial path, "
-                   "a listener for each TCP bus.");
+                   "a listener for each bus of TCP or UDP.");
   describe(line, given);
   if (const auto fault = line.parse_or_print(argc, argv)) return *fault ? kBadArguments : kFine;
   return simulate(given);

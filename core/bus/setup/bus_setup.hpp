@@ -28,6 +28,7 @@ class BusSetup {
   // Required silence of the wire after each response.
   [[nodiscard]] Duration silence() const { return silence_; }
   [[nodiscard]] bool plain_tcp() const;
+  [[nodiscard]] bool datagrams() const { return has_datagrams(spec_.port); }
   // The bytes have no times of a line: protocols of networks on a plain TCP connection.
   [[nodiscard]] bool timeless() const { return timeless_; }
   // See ProtocolEntry. REQUIRES: spec().in_flight > 1.

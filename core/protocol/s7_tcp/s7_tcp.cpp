@@ -256,6 +256,7 @@ const ProtocolEntry& entry() {
           "`address` is the slot",
       .first_frame = first_frame,
       .network_only = true,
+      .stream_only = true,
       .instead = "s7-ppi",
       .one_device = true,
       .carrier_checks = true,

@@ -10,6 +10,7 @@
 #include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/log/log.hpp"
+#include "config/sections/bus.hpp"
 #include "config/sections/port.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/port_spec.hpp"
@@ -216,13 +217,19 @@ tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const Li
     port.line = line;
     return port;
   }
-  const auto host = config::host_port_from(options.port);
+  constexpr std::string_view kUdp = "udp:";
+  std::string_view place = options.port;
+  const bool datagrams = place.starts_with(kUdp);
+  if (datagrams) place.remove_prefix(kUdp.size());
+  const auto host = config::host_port_from(place);
   if (!host)
-    return tl::unexpected(fmt::format("'{}' is neither a serial port (/dev/ttyUSB0) nor HOST:PORT",
-                                      printable(options.port)));
+    return tl::unexpected(
+        fmt::format("'{}' is none of a serial port (/dev/ttyUSB0), HOST:PORT and udp:HOST:PORT",
+                    printable(options.port)));
   TcpPortSpec port;
   port.host = host->first;
   port.port = host->second;
+  port.datagrams = datagrams;
   if (options.baud || !options.format.empty()) port.line = line;
   return port;
 }
@@ -267,6 +274,7 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
     return tl::unexpected(fmt::format("--address {}: devices of {} have {} to {}", options.address,
                                       protocol.name(), traits.lowest_address,
                                       traits.highest_address));
+  if (auto fault = config::datagram_fault(bus)) return tl::unexpected(std::move(fault->what));
   return bus;
 }
 

@@ -206,11 +206,90 @@ class TcpBus : public PluggedBus {
   Bytes sent_;
 };
 
+// Each master has a line of its own, as a TCP connection.
+class UdpBus : public PluggedBus {
+ public:
+  UdpBus(SimBus& bus, Watcher& watcher)
+      : PluggedBus(bus), watcher_(watcher), spec_(std::get<TcpPortSpec>(bus.spec().port)) {}
+  ~UdpBus() override { UdpBus::unplug(); }
+
+  [[nodiscard]] std::string location() const override {
+    return fmt::format("udp {}:{}{}", loopback_for(spec_.host), spec_.port,
+                       plugged() ? "" : " (unplugged)");
+  }
+
+  void on_readable(int, Instant now) override {
+    std::array<std::uint8_t, 4096> buffer;
+    for (;;) {
+      sockaddr_in peer{};
+      socklen_t size = sizeof peer;
+      const ssize_t count = ::recvfrom(socket_.get(), buffer.data(), buffer.size(), 0,
+                                       reinterpret_cast<sockaddr*>(&peer), &size);
+      if (count < 0) return;
+      const auto key = std::pair(peer.sin_addr.s_addr, peer.sin_port);
+      if (masters_.size() >= kMaxConnections && !masters_.contains(key))
+        masters_.erase(masters_.begin());
+      auto& line = masters_[key];
+      if (!line) line = bus().open_line();
+      line->receive(ByteView(buffer.data(), static_cast<std::size_t>(count)), now);
+      respond(key, *line, now);
+    }
+  }
+
+ private:
+  using Master = std::pair<std::uint32_t, std::uint16_t>;  // address and port, as on the network
+
+  tl::expected<void, std::string> plug() override {
+    auto socket = receive_datagrams_on(loopback_for(spec_.host), spec_.port);
+    if (!socket) return tl::unexpected(socket.error());
+    socket_ = std::move(*socket);
+    watcher_.watch(socket_.get());
+    return {};
+  }
+
+  void unplug() override {
+    masters_.clear();
+    if (socket_) watcher_.forget(socket_.get());
+    socket_.reset();
+  }
+
+  Instant advance(Instant now) override {
+    Instant next = kNever;
+    for (auto& [key, line] : masters_) {
+      respond(key, *line, now);
+      next = std::min(next, line->next_due());
+    }
+    return next;
+  }
+
+  // What is due at one instant is one datagram.
+  void respond(const Master& master, BusLine& line, Instant now) {
+    while (line.next_due() <= now) {
+      Bytes frame;
+      line.advance(std::max(line.next_due(), kLongAgo), frame);
+      if (frame.empty()) continue;
+      sockaddr_in peer{};
+      peer.sin_family = AF_INET;
+      peer.sin_addr.s_addr = master.first;
+      peer.sin_port = master.second;
+      (void)::sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL,
+                     reinterpret_cast<const sockaddr*>(&peer), sizeof peer);
+    }
+  }
+
+  Watcher& watcher_;
+  TcpPortSpec spec_;
+  FileDescriptor socket_;
+  std::map<Master, std::unique_ptr<BusLine>> masters_;
+};
+
 }  // namespace
 
 std::unique_ptr<ServedBus> serve(SimBus& bus, Watcher& watcher) {
   if (std::holds_alternative<SerialPortSpec>(bus.spec().port))
     return std::make_unique<SerialBus>(bus, watcher);
+  if (std::get<TcpPortSpec>(bus.spec().port).datagrams)
+    return std::make_unique<UdpBus>(bus, watcher);
   return std::make_unique<TcpBus>(bus, watcher);
 }
 

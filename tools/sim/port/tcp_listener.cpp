@@ -19,25 +19,37 @@ std::string loopback_for(const std::string& host) {
   return loopback ? host : "127.0.0.1";
 }
 
-tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
-                                                    std::uint16_t port) {
-  const auto failed = [&] {
-    return tl::unexpected(
-        fmt::format("{}:{}: cannot listen ({})", loopback, port, errno_text(errno)));
-  };
-  FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!listener) return failed();
+namespace {
+
+// Bound to the address, which is on the loopback.
+tl::expected<FileDescriptor, std::string> bound_socket(int type, const std::string& loopback,
+                                                       std::uint16_t port) {
+  FileDescriptor socket(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
-  ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (socket && type == SOCK_STREAM)
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   ::inet_pton(AF_INET, loopback.c_str(), &address.sin_addr);
-  if (::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(listener.get(), 16) != 0) {
-    return failed();
-  }
-  return listener;
+  if (socket &&
+      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      (type != SOCK_STREAM || ::listen(socket.get(), 16) == 0))
+    return socket;
+  return tl::unexpected(
+      fmt::format("{}:{}: cannot listen ({})", loopback, port, errno_text(errno)));
+}
+
+}  // namespace
+
+tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
+                                                    std::uint16_t port) {
+  return bound_socket(SOCK_STREAM, loopback, port);
+}
+
+tl::expected<FileDescriptor, std::string> receive_datagrams_on(const std::string& loopback,
+                                                               std::uint16_t port) {
+  return bound_socket(SOCK_DGRAM, loopback, port);
 }
 
 FileDescriptor accept_from(int listener) {

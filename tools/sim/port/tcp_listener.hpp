@@ -1,4 +1,4 @@
-// Accepts TCP masters on this machine only.
+// Accepts masters by TCP and UDP on this machine only.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,10 @@ namespace fieldcast::sim {
 
 [[nodiscard]] tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
                                                                   std::uint16_t port);
+
+// Bound and non-blocking.
+[[nodiscard]] tl::expected<FileDescriptor, std::string> receive_datagrams_on(
+    const std::string& loopback, std::uint16_t port);
 
 // Non-blocking, with TCP_NODELAY; an empty FileDescriptor if none waits.
 [[nodiscard]] FileDescriptor accept_from(int listener);
