@@ -37,13 +37,14 @@ constexpr auto kTcpCodes = joined_codes(
         DeviceCode{0x7025, "FINS/TCP: no node is left for the client", Cause::kDeviceBusy},
     });
 
-constexpr Traits kTraits{.name = "omron-fins",
-                         .summary = "Omron FINS over TCP: CS, CJ, CP, NJ and NX on Ethernet",
-                         .lowest_address = 0,
-                         .highest_address = 254,
-                         .max_ranges = kEthernetItems,
-                         .identity = ResponseIdentity::kSequence,
-                         .codes = kTcpCodes};
+constexpr Traits kTraits{
+    .name = "omron-fins",
+    .summary = "Omron FINS over TCP and UDP: CS, CJ, CP, NJ and NX on Ethernet",
+    .lowest_address = 0,
+    .highest_address = 254,
+    .max_ranges = kEthernetItems,
+    .identity = ResponseIdentity::kSequence,
+    .codes = kTcpCodes};
 
 void append_fins_frame(Bytes& out, std::uint32_t command, ByteView data) {
   append(out, kMagic);
@@ -53,10 +54,15 @@ void append_fins_frame(Bytes& out, std::uint32_t command, ByteView data) {
   append(out, data);
 }
 
-struct Destination {
+struct Nodes {
   std::uint8_t network = 0;
   std::uint8_t node = 0;  // 0: the PLC of the connection
   std::uint8_t unit = 0;
+  std::uint8_t client = 0;  // 0: assigned by the PLC of a connection; otherwise UDP
+
+  // A message is a datagram, without the header of a frame and without a greeting (W421, 6-2).
+  [[nodiscard]] bool datagrams() const { return client != 0; }
+  [[nodiscard]] std::size_t header() const { return datagrams() ? 0 : kFrameHeader; }
 };
 
 // The first frame of the received bytes.
@@ -86,10 +92,11 @@ FinsFrame first_fins_frame(ByteView all) {
 
 class FinsTcpExchange final : public Exchange {
  public:
-  FinsTcpExchange(const Destination& destination, ExchangeContext context, Request request)
-      : destination_(destination), context_(context), request_(std::move(request)) {}
+  FinsTcpExchange(const Nodes& nodes, ExchangeContext context, Request request)
+      : nodes_(nodes), context_(context), request_(std::move(request)) {}
 
   Step start(Bytes& out) override {
+    if (nodes_.datagrams()) return send_command(nodes_.client, nodes_.node, out);
     if (context_.session != nullptr && context_.session->size() == 2)
       return send_command((*context_.session)[0], (*context_.session)[1], out);
     append_fins_frame(out, kAskNodes, Bytes(4));
@@ -99,6 +106,7 @@ class FinsTcpExchange final : public Exchange {
   Step on_bytes(ByteView all, Bytes& out) override {
     if (all.size() > kMaxTcpReceived) return Step::failed(Cause::kOverlong);
     silence_ = Cause::kNoResponse;
+    if (nodes_.datagrams()) return judge({.command = kMessage, .data = all});
     while (!all.empty()) {
       const FinsFrame frame = first_fins_frame(all);
       if (frame.kind == FinsFrame::Kind::kHopeless) return Step::failed(Cause::kMalformed);
@@ -138,14 +146,16 @@ class FinsTcpExchange final : public Exchange {
 
   Step send_command(std::uint8_t client, std::uint8_t server, Bytes& out) {
     silence_ = Cause::kNoResponse;
-    const std::uint8_t node = destination_.node != 0 ? destination_.node : server;
-    command_.emplace(
-        kEthernetLimits,
-        Bytes{kRelayedFlag, 0, kGatewayCount, destination_.network, node, destination_.unit, 0,
-              client, 0, static_cast<std::uint8_t>(context_.sequence)},
-        request_);
-    append_fins_frame(out, kMessage, command_->message());
-    return Step::send(kFrameHeader + command_->response_size());
+    const std::uint8_t node = nodes_.node != 0 ? nodes_.node : server;
+    command_.emplace(kEthernetLimits,
+                     Bytes{kRelayedFlag, 0, kGatewayCount, nodes_.network, node, nodes_.unit, 0,
+                           client, 0, static_cast<std::uint8_t>(context_.sequence)},
+                     request_);
+    if (nodes_.datagrams())
+      append(out, command_->message());
+    else
+      append_fins_frame(out, kMessage, command_->message());
+    return Step::send(nodes_.header() + command_->response_size());
   }
 
   Step judge(const FinsFrame& frame) {
@@ -168,7 +178,7 @@ class FinsTcpExchange final : public Exchange {
                               request.subspan(kDestination, kSize));
   }
 
-  const Destination destination_;
+  const Nodes nodes_;
   const ExchangeContext context_;
   const Request request_;
   std::optional<FinsCommand> command_;
@@ -177,7 +187,7 @@ class FinsTcpExchange final : public Exchange {
 
 class FinsTcpProtocol final : public Protocol {
  public:
-  explicit FinsTcpProtocol(const Destination& destination) : destination_(destination) {}
+  explicit FinsTcpProtocol(const Nodes& nodes) : nodes_(nodes) {}
   const Traits& traits() const override { return kTraits; }
   std::span<const Area> areas() const override { return reached_in(Mode::kFinsEthernet).areas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
@@ -187,14 +197,14 @@ class FinsTcpProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = fins_sizes(kEthernetLimits, kMessageHeader, request);
     if (!sizes) return std::nullopt;
-    return ExchangeSize::of(kFrameHeader + sizes->request, kFrameHeader + sizes->response);
+    return ExchangeSize::of(nodes_.header() + sizes->request, nodes_.header() + sizes->response);
   }
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
-    return std::make_unique<FinsTcpExchange>(destination_, context, std::move(request));
+    return std::make_unique<FinsTcpExchange>(nodes_, context, std::move(request));
   }
 
  private:
-  const Destination destination_;
+  const Nodes nodes_;
 };
 
 std::optional<std::size_t> first_frame(ByteView stream) {
@@ -203,20 +213,31 @@ std::optional<std::size_t> first_frame(ByteView stream) {
   return frame.size;
 }
 
-constexpr std::array<std::string_view, 2> kTcpOptions{"network", "unit"};
+constexpr std::string_view kClientNode = "client-node";
+constexpr std::array<std::string_view, 3> kOptions{kClientNode, "network", "unit"};
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make_fins_tcp(const DeviceLink& link) {
-  OptionReader reader(link, kTraits, kTcpOptions);
-  Destination destination{.node = static_cast<std::uint8_t>(link.address)};
-  for (const auto& [name, highest, field] : {std::tuple{"network", 127u, &destination.network},
-                                             std::tuple{"unit", 254u, &destination.unit}})
+  OptionReader reader(link, kTraits, kOptions);
+  Nodes nodes{.node = static_cast<std::uint8_t>(link.address)};
+  for (const auto& [name, highest, field] :
+       {std::tuple{"network", 127u, &nodes.network}, std::tuple{"unit", 254u, &nodes.unit}})
     *field = static_cast<std::uint8_t>(reader.number(name, 0, highest, 0));
+  if (reader.text_of(kClientNode) != nullptr) {
+    nodes.client = static_cast<std::uint8_t>(reader.number(kClientNode, 1, 254, 1));
+    if (nodes.node == 0)
+      reader.refuse("", "address 0 with client-node", "the node of the PLC, 1 to 254");
+    if (nodes.node == nodes.client)
+      reader.refuse(kClientNode, "client-node is the node of the PLC",
+                    "a node that no other device has");
+  }
   if (reader.fault()) return tl::unexpected(*reader.fault());
-  return std::make_unique<FinsTcpProtocol>(destination);
+  return std::make_unique<FinsTcpProtocol>(nodes);
 }
 
 constexpr ProtocolAlias kTcpNames[] = {{"fins-tcp"}, {"omron-fins-tcp"}};
-constexpr ProtocolVariant kTcpVariants[] = {{.addresses = kFinsAddresses}};
+constexpr ProtocolOption kUdp[] = {{kClientNode, "239"}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = kFinsAddresses},
+                                         {.options = kUdp, .addresses = kFinsAddresses}};
 
 }  // namespace
 
@@ -226,19 +247,27 @@ const ProtocolEntry& fins_tcp_entry() {
       .summary = kTraits.summary,
       .make = make_fins_tcp,
       .explain = explain_fins_tcp,
-      .options = kTcpOptions,
-      .options_text = "`network`, `unit` of another PLC behind this one; its `address` is the node",
+      .options = kOptions,
+      .options_text =
+          "`client-node` of the bridge, with UDP; `network`, `unit` of another PLC behind "
+          "this one; its `address` is the node",
       .first_frame = first_frame,
       .network_only = true,
+      .stream_only = true,
+      .datagram_option = kClientNode,
       .instead = "omron-hostlink",
       .carrier_checks = true,
       .aliases = kTcpNames,
-      .variants = kTcpVariants};
+      .variants = kVariants};
   return entry;
 }
 
 std::vector<FrameField> explain_fins_tcp(ByteView frame) {
   FieldWriter writer;
+  if (!frame.empty() && (frame[0] & kRelayedFlag) != 0) {  // a datagram
+    explain_fins(frame, (frame[0] & kResponseFlag) == 0, writer);
+    return writer.take();
+  }
   if (frame.size() < kFrameHeader) {
     writer.remark(to_hex(frame), "too short for a frame");
     return writer.take();

@@ -1,4 +1,5 @@
-// FINS commands (fins_command.hpp) over TCP, port 9600 (Omron W421, 7-4).
+// FINS commands (fins_command.hpp) over TCP and UDP, port 9600 (Omron W421, 7-4 and 6-2). With the
+// option `client-node` a FINS message is a datagram, without the frame and the greeting of TCP:
 //
 //     frame      "FINS" length(4) command(4) error(4) data..     length: bytes after this field
 //     greeting   command 0, data: node of the client(4), 0: the PLC assigns it

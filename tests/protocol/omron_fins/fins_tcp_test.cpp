@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <tuple>
 
 #include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
@@ -110,6 +111,57 @@ TEST_F(FinsTcp, AFrameIsExplained) {
   EXPECT_TRUE(std::ranges::none_of(fields, [](const auto& field) { return !field.fault.empty(); }));
   const auto broken = find_protocol("omron-fins")->explain(ByteView(kReadDm100).first(30));
   EXPECT_TRUE(std::ranges::any_of(broken, [](const auto& field) { return !field.fault.empty(); }));
+}
+
+class FinsUdp : public testing::Test {
+ protected:
+  Outcome read(std::vector<Bytes> responses) {
+    const auto exchange = plc_.protocol().begin(plc_.read("DM100", 1), {1, nullptr});
+    return drive(*exchange, responses);
+  }
+  const Device plc_{"omron-fins", 10, {{"client-node", "239"}}};
+  const Bytes value_ = bytes("C0 00 02 00 EF 00 00 0A 00 01 0101 0000 1234");
+};
+
+TEST_F(FinsUdp, AMessageIsADatagramWithoutGreeting) {
+  const Outcome outcome = read({value_});
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(outcome.sent,
+            std::vector<Bytes>{bytes("80 00 02 00 0A 00 00 EF 00 01 0101 82 0064 00 0001")});
+  EXPECT_EQ(outcome.reply[0].items, (Bytes{0x12, 0x34}));
+}
+
+TEST_F(FinsUdp, AResponseToAnotherRequestOrOfAnotherNodeIsForeign) {
+  for (const std::size_t at : {4U, 7U, 9U}) {  // DA1, SA1, SID
+    Bytes other = value_;
+    other[at] ^= 0x10;
+    EXPECT_EQ(read({other}).cause, Cause::kForeign) << at;
+  }
+}
+
+TEST_F(FinsUdp, APartOfAResponseIsNoValue) {
+  for (std::size_t size = 1; size < value_.size(); ++size)
+    EXPECT_FALSE(
+        read({Bytes(value_.begin(), value_.begin() + static_cast<std::ptrdiff_t>(size))}).done())
+        << size;
+}
+
+TEST_F(FinsUdp, TheNodesMustBeKnownAndDiffer) {
+  for (const auto& [address, client, option] :
+       {std::tuple{0, "239", ""}, std::tuple{10, "10", "client-node"},
+        std::tuple{10, "0", "client-node"}, std::tuple{10, "255", "client-node"}}) {
+    const DeviceLink link{.address = static_cast<std::uint16_t>(address),
+                          .options = {{"client-node", client}}};
+    const auto made = find_protocol("omron-fins")->make(link);
+    ASSERT_FALSE(made.has_value()) << client;
+    EXPECT_EQ(made.error().option, option) << client;
+  }
+}
+
+TEST_F(FinsUdp, ADatagramIsExplained) {
+  const auto fields = find_protocol("omron-fins")->explain(value_);
+  EXPECT_TRUE(std::ranges::none_of(fields, [](const auto& field) { return !field.fault.empty(); }));
+  EXPECT_TRUE(std::ranges::any_of(fields, [](const auto& field) { return field.name == "SID"; }));
 }
 
 }  // namespace

@@ -181,7 +181,9 @@ std::string full_port(const std::string& port) {
 }
 
 void add_line_options(CommandLine& line, LineOptions& options) {
-  line.text("PORT", options.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT").required();
+  line.text("PORT", options.port,
+            "A serial port (/dev/ttyUSB0, ttyUSB0), HOST:PORT or udp:HOST:PORT")
+      .required();
   line.text("--protocol", options.protocol,
             std::string(kProtocolHelp) + " (modbus-rtu; for HOST:PORT modbus-tcp)");
   line.number("--baud", options.baud, kLowestBaud, kHighestBaud,
@@ -274,7 +276,8 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
     return tl::unexpected(fmt::format("--address {}: devices of {} have {} to {}", options.address,
                                       protocol.name(), traits.lowest_address,
                                       traits.highest_address));
-  if (auto fault = config::datagram_fault(bus)) return tl::unexpected(std::move(fault->what));
+  if (auto fault = config::datagram_fault(bus))
+    return tl::unexpected(fault->what + "; " + fault->allowed);
   return bus;
 }
 

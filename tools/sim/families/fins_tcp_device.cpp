@@ -84,14 +84,39 @@ class FinsTcpDevice::Connection : public Receiver {
   bool greeted_ = false;
 };
 
+// The characters of a datagram follow each other without a gap.
+class FinsTcpDevice::Datagrams : public GapReceiver {
+ public:
+  explicit Datagrams(FinsTcpDevice& device)
+      : GapReceiver(device.line_, device.line_.characters(1)), device_(device) {}
+
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
+    heard(end, reaction);
+    if (received_.size() <= kMostMessage) received_.push_back(character);
+  }
+  void on_silence(Instant now, Reaction& reaction) override {
+    const Bytes message = received_;
+    ready(false);
+    if (message.size() <= kNodeOffset || message[kNodeOffset] != device_.node_) return;
+    reaction.response = device_.fins_.execute(message, now);
+    ++(reaction.response.empty() ? device_.statistics_.bad_frames : device_.statistics_.responses);
+  }
+
+ private:
+  FinsTcpDevice& device_;
+};
+
 FinsTcpDevice::FinsTcpDevice(const DeviceSetup& setup)
     : MemoryDevice({omron_areas(), setup}),
       node_(setup.spec.link.address == 0 ? kOwnNode
                                          : static_cast<std::uint8_t>(setup.spec.link.address)),
       has_port_(setup.first_on_bus),
+      datagrams_(setup.spec.link.options.contains("client-node")),
+      line_(setup.line),
       fins_(memory_, statistics_, {kMostMessage, kMostItems}) {}
 
 std::unique_ptr<Receiver> FinsTcpDevice::open_receiver() {
+  if (datagrams_) return std::make_unique<Datagrams>(*this);
   return std::make_unique<Connection>(*this);
 }
 

@@ -1,6 +1,7 @@
 // A simulated Omron PLC at its FINS/TCP port, from the specification only (W421, 7-4). Each
 // connection gets a node with its first frame. A second greeting is refused; a message before the
-// greeting, and a frame that is not FINS, end the connection.
+// greeting, and a frame that is not FINS, end the connection. With the option `client-node`, its
+// FINS/UDP port: each datagram is a message (W421, 6-2).
 #pragma once
 
 #include <memory>
@@ -20,9 +21,12 @@ class FinsTcpDevice : public MemoryDevice {
 
  private:
   class Connection;
+  class Datagrams;
 
   const std::uint8_t node_;
   const bool has_port_;  // the PLC of the connection; others are behind it
+  const bool datagrams_;
+  const LineFormat line_;
   FinsUnit fins_;
 };
 
