@@ -135,6 +135,8 @@ Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& requ
     Reaction reaction;
     for (const std::uint8_t character : sent)
       receiver->on_character(character, Instant{std::chrono::seconds{1}}, reaction);
+    const Instant silent = receiver->silence_due();  // the end of a datagram
+    if (reaction.response.empty() && silent != kNever) receiver->on_silence(silent, reaction);
     return reaction.response;
   };
   Bytes sent;

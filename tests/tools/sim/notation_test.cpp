@@ -20,7 +20,9 @@ std::string configuration(const Subject& subject) {
   const auto protocol = subject.protocol();
   const bool tcp = std::holds_alternative<TcpPortSpec>(subject.port);
   std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: ";
-  text += tcp ? "{ tcp: 127.0.0.1:502 }" : "{ serial: /dev/none, baud: 115200, format: 8E1 }";
+  const std::string network = has_datagrams(subject.port) ? "udp" : "tcp";
+  text += tcp ? "{ " + network + ": 127.0.0.1:502 }"
+              : "{ serial: /dev/none, baud: 115200, format: 8E1 }";
   text += "\n    protocol: " + subject.device.protocol + "\n    devices:\n      - name: d\n";
   text += "        address: " + std::to_string(subject.device.link.address) + '\n';
   if (!subject.device.link.options.empty()) {

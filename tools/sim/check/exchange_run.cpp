@@ -71,7 +71,10 @@ std::vector<Subject> subjects_of(std::string_view protocol) {
     Subject subject{text_of(variant), device_at(7), serial(), true, variant.addresses};
     subject.device.protocol = protocol;
     subject.device.link = link_of(variant, subject.device.link.address);
-    if (entry->network_only) subject.port = TcpPortSpec{};
+    if (entry->network_only) {
+      const std::string datagrams(entry->datagram_option);
+      subject.port = TcpPortSpec{.datagrams = subject.device.link.options.contains(datagrams)};
+    }
     subject.checked = !entry->carrier_checks;
     subjects.push_back(std::move(subject));
   }
