@@ -22,6 +22,8 @@ using declared::Notation;
 constexpr std::size_t kMaxAreas = 64;
 constexpr std::size_t kMaxCodes = 1'000;
 constexpr std::size_t kMaxRounds = 8;
+constexpr std::size_t kMaxRefusals = 8;
+constexpr std::size_t kMaxForms = 16;
 constexpr std::int64_t kMaxItems = 1 << 24;
 constexpr std::int64_t kMaxOrigin = UINT32_MAX - kMaxItems;
 
@@ -70,6 +72,7 @@ class DeclarationReader {
     for (auto& draft : operations_) {
       draft.operation.request = draft.request.frame();
       draft.operation.response = draft.response.frame();
+      for (const DraftFrame& other : draft.others) draft.operation.others.push_back(other.frame());
       declaration_.operations.push_back(std::move(draft.operation));
     }
     return std::move(declaration_);
@@ -168,10 +171,29 @@ class DeclarationReader {
         map.fault(key, fmt::format("'{}' has no meaning for a frame without a request", key),
                   "no '" + std::string(key) + "'");
     }
-    draft.response = frame("answer");
+    const Node* forms = map.find("answers");
+    if (forms == nullptr)
+      draft.response = frame("answer");
+    else
+      read_forms(map, *forms, draft);
     if (const Node* before = map.find("before"))
       draft.operation.before = read_rounds(*before, "before");
     operations_.push_back(std::move(draft));
+  }
+
+  // The response of a read has one of several forms; constants or lengths distinguish them.
+  void read_forms(MapReader& map, const Node& node, DraftOperation& draft) {
+    const bool record = draft.good && declaration_.areas[draft.operation.area].record;
+    if (map.find("answer") != nullptr)
+      map.fault("answers", "a response has one form and several", "one of answer, answers");
+    if (draft.good && (!record || draft.operation.write || map.has("unsolicited")))
+      map.fault("answers", "only a response that reads a record has several forms", "answer");
+    draft.response.good = false;
+    if (!is_list(node, "answers", 2, kMaxForms, "a list of 2 to 16 frames", faults_)) return;
+    for (const Node* item : node.items) {
+      DraftFrame form = read_frame(*item, "a form of the response", defaults_, 16, faults_);
+      (item == node.items[0] ? draft.response : draft.others.emplace_back()) = std::move(form);
+    }
   }
 
   std::vector<declared::Operation> read_rounds(const Node& node, std::string_view key) {
@@ -237,10 +259,20 @@ class DeclarationReader {
     const Node* node = map_.find("errors");
     if (node == nullptr) return;
     MapReader map(*node, kErrorsKeys, faults_);
-    if (const Node* frame = map.require("frame", "the fields of a refusal")) {
-      const DraftFrame refusal = read_frame(*frame, "frame", defaults_, 16, faults_);
+    const auto read_refusal = [&](const Node& frame, std::string_view key) {
+      const DraftFrame refusal = read_frame(frame, key, defaults_, 16, faults_);
       check_refusal(declaration_, operations_, refusal, faults_);
-      declaration_.refusal = refusal.frame();
+      declaration_.refusals.push_back(refusal.frame());
+    };
+    const Node* frames = map.find("frames");
+    if (frames != nullptr && map.find("frame") != nullptr)
+      map.fault("frames", "a refusal is one frame and several", "one of frame, frames");
+    if (frames != nullptr &&
+        is_list(*frames, "frames", 1, kMaxRefusals, "a list of frames", faults_)) {
+      for (const Node* frame : frames->items) read_refusal(*frame, "a frame of a refusal");
+    } else if (frames == nullptr) {
+      if (const Node* frame = map.require("frame", "the fields of a refusal"))
+        read_refusal(*frame, "frame");
     }
     if (const Node* codes = map.find("codes")) read_codes(*codes);
     const Node* busy = map.find("busy");

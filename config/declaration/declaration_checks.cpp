@@ -281,21 +281,14 @@ class Placing {
       draft.good = false;
       return;
     }
-    for (DraftField& field : draft.response.fields) {
-      if (field.field.kind != FieldKind::kValue) continue;
-      const auto items = declared::items_of(field.field);
-      for (const auto& other : declaration_.areas) {
-        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
-            other.places.end())
-          faults_.add(field.position, fmt::format("value '{}' exists already", field.field.name),
-                      "names that occur once");
+    define(draft.response, area);
+    for (DraftFrame& other : draft.others) {
+      // Forms share the places of values with the same name.
+      for (DraftField& field : other.fields) {
+        field.placed = field.field.kind == FieldKind::kValue && has_place(area, field.field);
+        if (field.placed) find(area, field);
       }
-      field.field.place = static_cast<std::uint16_t>(area.items);
-      const auto bits = field.field.text_size != 0 ? std::uint8_t{0} : field.field.bits;
-      area.places.push_back({field.field.name, field.field.place, items, bits,
-                             field.field.is_signed, field.field.text_size,
-                             field.field.text_number});
-      area.items += items;
+      define(other, area);
     }
   }
 
@@ -322,6 +315,29 @@ class Placing {
   }
 
  private:
+  static bool has_place(const DeclaredArea& area, const Field& field) {
+    return std::ranges::find(area.places, field.name, &declared::Place::name) != area.places.end();
+  }
+
+  void define(DraftFrame& frame, DeclaredArea& area) {
+    for (DraftField& field : frame.fields) {
+      if (field.field.kind != FieldKind::kValue || field.placed) continue;
+      const auto items = declared::items_of(field.field);
+      for (const auto& other : declaration_.areas) {
+        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
+            other.places.end())
+          faults_.add(field.position, fmt::format("value '{}' exists already", field.field.name),
+                      "names that occur once");
+      }
+      field.field.place = static_cast<std::uint16_t>(area.items);
+      const auto bits = field.field.text_size != 0 ? std::uint8_t{0} : field.field.bits;
+      area.places.push_back({field.field.name, field.field.place, items, bits,
+                             field.field.is_signed, field.field.text_size,
+                             field.field.text_number});
+      area.items += items;
+    }
+  }
+
   bool find(const DeclaredArea& area, DraftField& draft) {
     std::vector<std::string_view> names;
     for (const auto& place : area.places) names.push_back(place.name);
@@ -377,7 +393,14 @@ void place_values(Declaration& declaration, std::vector<DraftOperation>& operati
 
 void check_operation(const Declaration& declaration, const DraftOperation& draft,
                      FaultList& faults) {
-  if (draft.good) OperationCheck(declaration, draft, faults).run();
+  if (!draft.good) return;
+  OperationCheck(declaration, draft, faults).run();
+  check_forms(draft, declaration.areas[draft.operation.area], faults);
+  for (const DraftFrame& other : draft.others) {
+    DraftOperation form = draft;
+    form.response = other;
+    OperationCheck(declaration, form, faults).run();
+  }
 }
 
 namespace {

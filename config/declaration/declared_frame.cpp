@@ -20,16 +20,17 @@ constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
 constexpr std::string_view kCrc[] = {"width",     "polynomial", "start",
                                      "final-xor", "reflect-in", "reflect-out"};
 constexpr std::string_view kOperation[] = {"name",        "read",  "write",   "command", "before",
-                                           "unsolicited", "count", "request", "answer"};
+                                           "unsolicited", "count", "request", "answer",  "answers"};
 constexpr std::string_view kRound[] = {"name", "command", "request",  // and the response:
                                        "answer"};
 constexpr std::string_view kCount[] = {"from", "to"};
-constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
+constexpr std::string_view kErrors[] = {"frame", "frames", "codes", "busy"};
 constexpr std::string_view kField[] = {
     "name",       "constant", "is",    "bytes",    "bits",   "digits",   "as",
     "order",      "plus",     "times", "of",       "kind",   "over",     "on",
     "off",        "ok",       "text",  "variable", "signed", "fill",     "counts",
     "complement", "add",      "xor",   "key",      "until",  "optional", "start"};
+constexpr std::string_view kGroup[] = {"repeat", "fields"};
 
 }  // namespace
 
@@ -42,11 +43,12 @@ const KeyTable kCountKeys{"count", "'count'", kCount};
 const KeyTable kErrorsKeys{"errors", "'errors'", kErrors};
 const KeyTable kFieldKeys{"field", "a field", kField};
 const KeyTable kCrcKeys{"crc", "the parameters of a CRC", kCrc};
+const KeyTable kGroupKeys{"group", "repeated fields", kGroup};
 
 std::span<const KeyTable* const> declaration_key_tables() {
-  static constexpr std::array kTables{&kDeclarationKeys, &kAddressesKeys, &kAreaKeys,
-                                      &kOperationKeys,   &kCountKeys,     &kErrorsKeys,
-                                      &kFieldKeys,       &kCrcKeys,       &kRoundKeys};
+  static constexpr std::array kTables{
+      &kDeclarationKeys, &kAddressesKeys, &kAreaKeys, &kOperationKeys, &kCountKeys,
+      &kErrorsKeys,      &kFieldKeys,     &kCrcKeys,  &kRoundKeys,     &kGroupKeys};
   return kTables;
 }
 
@@ -200,6 +202,59 @@ void set_escaped(DraftFrame& frame, declared::Escape escape, FaultList& faults) 
 
 }  // namespace
 
+namespace {
+
+bool has_key(const Node& map, std::string_view key) {
+  return std::ranges::any_of(map.entries,
+                             [&](const Node::Entry& entry) { return entry.key->text == key; });
+}
+
+// "cell" and "cell..unit" as "cell-3" and "cell-3..unit-3", if the group has these names.
+std::string numbered_span(const std::string& of, const std::vector<std::string>& names,
+                          const std::string& number) {
+  const auto numbered = [&](const std::string& name) {
+    return std::ranges::find(names, name) == names.end() ? name : name + number;
+  };
+  const auto dots = of.find("..");
+  if (dots == of.npos) return numbered(of);
+  return numbered(of.substr(0, dots)) + ".." + numbered(of.substr(dots + 2));
+}
+
+// { repeat: 16, fields: [...] }: the fields 16 times, their names with -1 to -16 behind them.
+void append_group(DraftFrame& frame, const Node& node, const FieldDefaults& defaults,
+                  unsigned item_bits, FaultList& faults) {
+  MapReader map(node, kGroupKeys, faults);
+  unsigned times = 0;
+  frame.good = map.read_required("repeat", times, WholeRule{2, declared::kMaxFields},
+                                 "how often the fields stand behind each other") &&
+               frame.good;
+  const Node* list = map.require("fields", "a list of fields");
+  if (list == nullptr ||
+      !is_list(*list, "fields", 1, declared::kMaxFields,
+               fmt::format("a list of 1 to {} fields", declared::kMaxFields), faults)) {
+    frame.good = false;
+    return;
+  }
+  std::vector<DraftField> fields;
+  std::vector<std::string> names;  // written ones
+  for (const Node* item : list->items) {
+    fields.push_back(read_field(*item, defaults, item_bits, faults));
+    frame.good = frame.good && fields.back().fits;
+    if (has_key(*item, "name")) names.push_back(fields.back().field.name);
+  }
+  if (!frame.good) return;
+  for (unsigned i = 1; i <= times; ++i) {
+    for (DraftField copy : fields) {
+      const std::string number = fmt::format("-{}", i);
+      if (!copy.of.empty()) copy.of = numbered_span(copy.of, names, number);
+      if (std::ranges::find(names, copy.field.name) != names.end()) copy.field.name += number;
+      frame.fields.push_back(std::move(copy));
+    }
+  }
+}
+
+}  // namespace
+
 declared::Frame DraftFrame::frame() const {
   declared::Frame frame;
   for (const auto& draft : fields) frame.fields.push_back(draft.field);
@@ -223,8 +278,18 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
                        fmt::format("a list of 1 to {} fields", declared::kMaxFields), faults);
   if (!frame.good) return frame;
   for (const Node* item : node.items) {
+    if (has_key(*item, "repeat") || has_key(*item, "fields")) {
+      append_group(frame, *item, defaults, item_bits, faults);
+      continue;
+    }
     frame.fields.push_back(read_field(*item, defaults, item_bits, faults));
     frame.good = frame.good && frame.fields.back().fits;
+  }
+  if (frame.fields.size() > declared::kMaxFields) {
+    faults.add(node.position,
+               fmt::format("the frame has {} fields with its repetitions", frame.fields.size()),
+               fmt::format("at most {}", declared::kMaxFields));
+    frame.good = false;
   }
   const bool readable = frame.good;
   if (readable) Sharing(frame, defaults.high_first, faults).run();

@@ -10,7 +10,7 @@
 namespace fieldcast::config {
 
 extern const KeyTable kDeclarationKeys, kAddressesKeys, kAreaKeys, kOperationKeys, kCountKeys,
-    kErrorsKeys, kFieldKeys, kCrcKeys, kRoundKeys;
+    kErrorsKeys, kFieldKeys, kCrcKeys, kRoundKeys, kGroupKeys;
 
 [[nodiscard]] std::span<const KeyTable* const> declaration_key_tables();
 
@@ -32,6 +32,7 @@ struct DraftField {
   bool in_bits = false;  // its width is given in bits
   bool shares = false;   // its bits are not whole bytes: it shares one with other fields
   bool fits = true;      // read without a fault
+  bool placed = false;   // of a value: its place is that of an earlier form of the response
 };
 
 struct DraftFrame {
@@ -48,6 +49,7 @@ struct DraftOperation {
   declared::Operation operation;
   Position position, count_position;
   DraftFrame request, response;
+  std::vector<DraftFrame> others;  // forms of the response
   bool has_command = false;
   bool good = true;  // its area is known
 };
@@ -74,6 +76,9 @@ void check_operation(const declared::Declaration& declaration, const DraftOperat
 // Requests without a value or an item must differ, also from the rounds of the login.
 void check_requests(const std::vector<DraftOperation>& operations,
                     const std::vector<declared::Operation>& login, FaultList& faults);
+// The forms of a response must differ.
+void check_forms(const DraftOperation& draft, const declared::DeclaredArea& area,
+                 FaultList& faults);
 // `round`: a round before a request, with its frames.
 void check_round(const declared::Declaration& declaration, const DraftOperation& round,
                  FaultList& faults);

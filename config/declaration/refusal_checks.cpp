@@ -42,18 +42,36 @@ std::vector<std::string> marks_of(const DraftFrame& frame) {
 }
 
 bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
-                  const DeclaredArea& area) {
+                  const DraftFrame& response, const DeclaredArea& area) {
   const auto size = declared::size_of(refusal.frame(), 16, 0);
   const auto response_size = [&](std::uint32_t count) {
-    return declared::size_of(draft.response.frame(), area.item_bits, count);
+    return declared::size_of(response.frame(), area.item_bits, count);
   };
   return size < response_size(draft.operation.min_count) ||
          size > response_size(draft.operation.max_count) ||
-         marks_of(refusal) != marks_of(draft.response) ||
-         draft.response.find(FieldKind::kError) != nullptr;
+         marks_of(refusal) != marks_of(response) || response.find(FieldKind::kError) != nullptr;
 }
 
 }  // namespace
+
+void check_forms(const DraftOperation& draft, const DeclaredArea& area, FaultList& faults) {
+  const auto size = [&](const DraftFrame& form) {
+    return declared::size_of(form.frame(), area.item_bits, 0);
+  };
+  std::vector<const DraftFrame*> known{&draft.response};
+  for (const DraftFrame& form : draft.others) {
+    for (const DraftFrame* earlier : known) {
+      if (!form.good || !earlier->good || size(form) != size(*earlier) ||
+          marks_of(form) != marks_of(*earlier))
+        continue;
+      faults.add(form.position,
+                 "a form of the response cannot be distinguished from an earlier one",
+                 "a different length, constant or command");
+      break;
+    }
+    known.push_back(&form);
+  }
+}
 
 void check_round(const Declaration& declaration, const DraftOperation& round, FaultList& faults) {
   for (const auto* frame : {&round.request, &round.response}) {
@@ -77,7 +95,11 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
   if (!refusal.good) return;
   for (const auto& draft : operations) {
     if (!draft.good || !draft.response.good) continue;
-    if (!are_distinct(refusal, draft, declaration.areas[draft.operation.area]))
+    const DeclaredArea& area = declaration.areas[draft.operation.area];
+    const auto distinct = [&](const DraftFrame& response) {
+      return !response.good || are_distinct(refusal, draft, response, area);
+    };
+    if (!distinct(draft.response) || !std::ranges::all_of(draft.others, distinct))
       faults.add(refusal.position,
                  fmt::format("a refusal cannot be distinguished from a response of '{}'",
                              draft.operation.name),

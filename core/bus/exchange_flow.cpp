@@ -270,7 +270,7 @@ void OutcomeRouter::share(const Flight& flight, const Wire::Ended& ended, Instan
   if (!ended.done) return;
   const Reply& reply = ended.exchange->reply();
   for (std::size_t i = 0; i < std::min(read->ranges.size(), reply.size()); ++i) {
-    if (reply[i].cause != Cause::kNone) continue;
+    if (reply[i].cause != Cause::kNone || !reply[i].absent.empty()) continue;
     commands_.read(
         device,
         {read->ranges[i], reply[i].items, flight.started, parts_.wire().driver().responded()}, now,

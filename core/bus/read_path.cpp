@@ -109,6 +109,7 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   std::vector<PointIndex> good;
   // Refused points by range, so that the search for a bad point stays within its range.
   std::vector<RefusedPart> bad;
+  std::vector<PointIndex> absent;
   samples.reserve(block.points.size());
   good.reserve(block.points.size());
   const std::size_t responded = std::min(block.ranges.size(), reply.size());
@@ -119,6 +120,13 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
     if (found == kNowhere || reply[found].cause != Cause::kNone) {
       if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
       bad.back().points.push_back(point);
+      continue;
+    }
+    const Range& own = map_.points[point].range;
+    if (std::ranges::any_of(reply[found].absent, [&](const Range& part) {
+          return part.first < own.end() && part.end() > own.first;
+        })) {
+      absent.push_back(point);
       continue;
     }
     good.push_back(point);
@@ -147,6 +155,8 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
     refused(part_of(block, std::move(part.points)), response.cause, response.device_code, now,
             bad_samples, sink);
   }
+  for (const PointIndex point : absent)
+    refused(part_of(block, {point}), Cause::kDeviceError, 0, now, bad_samples, sink);
   sink.publish(std::move(bad_samples));
 }
 

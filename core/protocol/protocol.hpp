@@ -103,6 +103,8 @@ struct RangeReply {
   Cause cause = Cause::kNone;
   std::uint16_t device_code = 0;  // with kDeviceError: exception code, end code, item code
   Bytes items;                    // the image if cause is kNone; empty for a write
+  // Parts of the range that the response does not have: each is refused, the rest is read.
+  std::vector<Range> absent{};
 };
 // One entry for each range of a read, one for a write.
 using Reply = std::vector<RangeReply>;

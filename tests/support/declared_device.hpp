@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "config/loader/loader.hpp"
 #include "tests/support/device.hpp"
 
@@ -21,6 +23,13 @@ inline std::shared_ptr<const declared::Declaration> declaration(const std::strin
 // REQUIRES: the declaration loads.
 inline Device declared_device(const std::string& name, std::uint16_t address) {
   return Device(std::move(*declared::make(declaration(name), {.address = address})));
+}
+
+// Of this text. Throws std::invalid_argument with all its faults.
+inline Device declared_by(std::string_view text, std::uint16_t address) {
+  const auto loaded = config::load_declaration_text(text, "test.yaml");
+  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
+  return Device(std::move(*declared::make(loaded->value, {.address = address})));
 }
 
 }  // namespace fieldcast::test

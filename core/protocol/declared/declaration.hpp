@@ -17,7 +17,7 @@
 
 namespace fieldcast::declared {
 
-inline constexpr std::size_t kMaxFields = 64;      // of a frame
+inline constexpr std::size_t kMaxFields = 250;     // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
 // Characters of a frame, regardless of its length field.
 inline constexpr std::size_t kMaxFrame = 4096;
@@ -125,6 +125,8 @@ struct Operation {
   std::uint16_t min_count = 1, max_count = 1;
   std::uint16_t first = 0;  // for a write to a record: its first item
   Frame request, response;
+  // Other forms of the response that reads a record; each has some of its places.
+  std::vector<Frame> others;
   std::vector<Operation> before;  // rounds before the request, without areas
   // Usual time between two frames that the device sends by itself; zero: it waits for `request`.
   Duration unsolicited{};
@@ -132,6 +134,11 @@ struct Operation {
   [[nodiscard]] bool echoes() const;
   friend bool operator==(const Operation&, const Operation&) = default;
 };
+
+// Characters of the longest form of the response.
+[[nodiscard]] std::size_t response_size(const Operation& operation, unsigned item_bits,
+                                        std::uint32_t count);
+[[nodiscard]] bool in_each_form(const Operation& operation, FieldKind kind);
 
 struct Declaration {
   std::string name, summary;
@@ -141,7 +148,7 @@ struct Declaration {
   std::vector<DeclaredArea> areas;
   std::vector<Operation> operations;  // a request uses the first operation that fits
   std::vector<Operation> login;       // rounds before the first exchange of a connection
-  Frame refusal;                      // without fields if there is no refusal
+  std::vector<Frame> refusals;        // empty: the device refuses nothing, or stays silent
   std::map<std::uint16_t, std::string> codes;
   std::vector<std::uint16_t> busy;  // codes that mean busy
   friend bool operator==(const Declaration&, const Declaration&) = default;

@@ -19,7 +19,7 @@ std::size_t most_received(const Declaration& declaration) {
   std::size_t longest = 0;
   for (const Operation& operation : declaration.operations) {
     const unsigned item_bits = declaration.areas[operation.area].item_bits;
-    longest = std::max(longest, size_of(operation.response, item_bits, operation.max_count));
+    longest = std::max(longest, response_size(operation, item_bits, operation.max_count));
     if (has_block(operation.response)) longest = std::max(longest, kMaxFrame);
     for (const Operation& round : operation.before)
       longest = std::max(longest, size_of(round.response, 16, 0));
@@ -46,7 +46,7 @@ class Search {
     refused_.refusal = true;
     const DeclaredArea& area = declaration.areas[operation.area];
     record_items_ = area.record ? area.items : 0;
-    expected_ = size_of(operation.response, context.item_bits, context.count);
+    expected_ = response_size(operation, context.item_bits, context.count);
   }
 
   // A round before the request has no refusal.
@@ -64,8 +64,9 @@ class Search {
   }
 
   std::optional<MatchResult> found;
-  bool refusal = false;   // `found` is a refusal
-  bool doubtful = false;  // `found` follows what looks like the beginning of another frame
+  const Frame* form = nullptr;  // of `found`
+  bool refusal = false;         // `found` is a refusal
+  bool doubtful = false;        // `found` follows what looks like the beginning of another frame
   bool begun = false;
   std::size_t missing = 0;
 
@@ -73,9 +74,10 @@ class Search {
 
  private:
   void parse_here() {
-    if (try_frame(operation_.response, context_, record_items_, true)) return;
-    if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
-      return;
+    if (try_forms(operation_, context_, record_items_, true)) return;
+    for (const Frame& refused : declaration_.refusals) {
+      if (try_frame(refused, refused_, 0, true)) return;
+    }
     if (boundary_ && try_others()) return;
     if (!is_turnaround(all_[at_])) boundary_ = false, ++faults_.noise;
     ++at_;
@@ -89,15 +91,22 @@ class Search {
                            .command = other.command,
                            .sequence = context_.sequence,
                            .item_bits = area.item_bits};
-      if (&other != &operation_ &&
-          try_frame(other.response, context, area.record ? area.items : 0, false))
+      if (&other != &operation_ && try_forms(other, context, area.record ? area.items : 0, false))
         return true;
       context.refusal = true;
-      if (!declaration_.refusal.fields.empty() &&
-          try_frame(declaration_.refusal, context, 0, false))
-        return true;
+      for (const Frame& refused : declaration_.refusals) {
+        if (try_frame(refused, context, 0, false)) return true;
+      }
     }
     return false;
+  }
+
+  bool try_forms(const Operation& operation, const FrameContext& context, std::size_t record_items,
+                 bool mine) {
+    return try_frame(operation.response, context, record_items, mine) ||
+           std::ranges::any_of(operation.others, [&](const Frame& other) {
+             return try_frame(other, context, record_items, mine);
+           });
   }
 
   // Returns true if a whole frame was found or skipped.
@@ -116,6 +125,7 @@ class Search {
     }
     if (ours) {
       found = std::move(result);
+      form = &frame;
       refusal = context.refusal;
       doubtful = held_;
       return true;
@@ -232,7 +242,25 @@ Step DeclaredExchange::start(Bytes& out) {
   fallback_.reset();
   // A block may have more than its known values; the wait must last for all of it.
   if (has_block(operation_.response)) return Step::send(kMaxFrame);
-  return Step::send(size_of(operation_.response, context_.item_bits, context_.count));
+  return Step::send(response_size(operation_, context_.item_bits, context_.count));
+}
+
+// The wanted places that the response does not have, because it is another form of it, or its block
+// is without them.
+std::vector<Range> DeclaredExchange::absent_places(const Frame& form,
+                                                   const std::vector<Range>& not_in_block) const {
+  std::vector<Range> absent;
+  for (const Place& place : declaration_->areas[operation_.area].places) {
+    const Range items{operation_.area, place.first, place.items};
+    if (items.first >= wanted_.end() || items.end() <= wanted_.first) continue;
+    const bool in_form = std::ranges::any_of(form.fields, [&](const Field& field) {
+      return field.kind == FieldKind::kValue && field.place == place.first;
+    });
+    const bool in_block =
+        std::ranges::find(not_in_block, place.first, &Range::first) == not_in_block.end();
+    if (!in_form || !in_block) absent.push_back(items);
+  }
+  return absent;
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
@@ -250,12 +278,11 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
     step = Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error);
   } else {
     reply_.assign(1, {});
-    const bool absent = std::ranges::any_of(search.found->absent, [&](const Range& items) {
-      return items.first < wanted_.end() && items.end() > wanted_.first;
-    });
-    if (absent) {
-      step = Step::failed(Cause::kDeviceError);
-    } else if (!operation_.write) {
+    if (!operation_.write) {
+      reply_[0].absent = absent_places(*search.form, search.found->absent);
+      std::uint32_t absent = 0;
+      for (const Range& items : reply_[0].absent) absent += items.count;
+      if (absent >= wanted_.count) step = Step::failed(Cause::kDeviceError);
       const Bytes& items = search.found->items;
       const bool record = declaration_->areas[operation_.area].record;
       const auto from = items.begin() + (record ? std::ptrdiff_t{2} * wanted_.first : 0);

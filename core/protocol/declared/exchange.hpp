@@ -24,6 +24,8 @@ class DeclaredExchange final : public Exchange {
   [[nodiscard]] Step send_round(Bytes& out);
   [[nodiscard]] Step on_round(ByteView all, Bytes& out);
   [[nodiscard]] Step fail(Step step);
+  [[nodiscard]] std::vector<Range> absent_places(const Frame& form,
+                                                 const std::vector<Range>& not_in_block) const;
   [[nodiscard]] bool is_logged_in() const;
   void set_logged_in(bool logged_in);
 

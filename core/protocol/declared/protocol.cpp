@@ -11,12 +11,30 @@ bool has(const Frame& frame, FieldKind kind) {
   return std::ranges::any_of(frame.fields, [&](const Field& field) { return field.kind == kind; });
 }
 
+}  // namespace
+
+std::size_t response_size(const Operation& operation, unsigned item_bits, std::uint32_t count) {
+  std::size_t size = size_of(operation.response, item_bits, count);
+  for (const Frame& other : operation.others)
+    size = std::max(size, size_of(other, item_bits, count));
+  return size;
+}
+
+bool in_each_form(const Operation& operation, FieldKind kind) {
+  return has(operation.response, kind) &&
+         std::ranges::all_of(operation.others,
+                             [&](const Frame& other) { return has(other, kind); });
+}
+
+namespace {
+
 // The least specific response counts.
 ResponseIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
-                               [&](const Operation& each) { return has(each.response, kind); }) &&
-           (declaration.refusal.fields.empty() || has(declaration.refusal, kind));
+                               [&](const Operation& each) { return in_each_form(each, kind); }) &&
+           std::ranges::all_of(declaration.refusals,
+                               [&](const Frame& refusal) { return has(refusal, kind); });
   };
   if (all(FieldKind::kSequence)) return ResponseIdentity::kSequence;
   return all(FieldKind::kAddress) ? ResponseIdentity::kAddress : ResponseIdentity::kNone;
@@ -58,7 +76,8 @@ class DeclaredProtocol final : public Protocol {
       const auto fixed = [&](const Frame& frame) {
         return static_cast<std::uint32_t>(size_of(frame, bits, 0));
       };
-      std::uint32_t sent = fixed(operation.request), received = fixed(operation.response);
+      std::uint32_t sent = fixed(operation.request);
+      auto received = static_cast<std::uint32_t>(response_size(operation, bits, 0));
       for (const Operation& round : operation.before) {
         sent += fixed(round.request);
         received += fixed(round.response);
@@ -116,10 +135,10 @@ class DeclaredProtocol final : public Protocol {
     const auto first = operation_for(earlier), second = operation_for(later);
     if (!first || !second) return true;
     const Operation &a = declaration_->operations[*first], &b = declaration_->operations[*second];
-    if (has(a.response, FieldKind::kCommand) && has(b.response, FieldKind::kCommand) &&
+    if (in_each_form(a, FieldKind::kCommand) && in_each_form(b, FieldKind::kCommand) &&
         a.command != b.command)
       return false;
-    const bool bound = has(a.response, FieldKind::kChecksum) || has(a.response, FieldKind::kLength);
+    const bool bound = in_each_form(a, FieldKind::kChecksum) || in_each_form(a, FieldKind::kLength);
     if (*first != *second || !bound) return true;
     const auto x = size(earlier), y = size(later);
     return !x || !y || x->response_characters == y->response_characters;
@@ -248,13 +267,14 @@ std::shared_ptr<const Declaration> addressed(const Declaration& declaration,
   const auto set = [&](Operation& operation) {
     set_address(operation.request, text);
     set_address(operation.response, text);
+    for (Frame& other : operation.others) set_address(other, text);
   };
   for (Operation& operation : own->operations) {
     set(operation);
     std::ranges::for_each(operation.before, set);
   }
   std::ranges::for_each(own->login, set);
-  set_address(own->refusal, text);
+  for (Frame& refusal : own->refusals) set_address(refusal, text);
   return own;
 }
 

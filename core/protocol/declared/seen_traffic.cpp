@@ -265,10 +265,13 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
                 .run("request: " + operation.name, false));
     offer(Reader(declaration, operation.response, frame, operation.command, bits)
               .run((unsolicited ? "unsolicited: " : "response: ") + operation.name, false));
+    for (const Frame& other : operation.others)
+      offer(Reader(declaration, other, frame, operation.command, bits)
+                .run("response: " + operation.name, false));
     for (const Operation& round : operation.before) offer_round(round);
-    if (declaration.refusal.fields.empty()) continue;
-    offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
-              .run("refusal: " + operation.name, true));
+    for (const Frame& refusal : declaration.refusals)
+      offer(Reader(declaration, refusal, frame, operation.command, bits)
+                .run("refusal: " + operation.name, true));
   }
   if (best) return std::move(best->fields);
   none.remark("", "the declaration has no operations");
@@ -320,9 +323,15 @@ SeenRequest seen_request(const Declaration& declaration, ByteView bytes) {
   if (!seen) return seen;
   const ByteView frame = bytes.first(seen.size);
   for (const Operation& operation : declaration.operations) {
+    const auto alike_frame = [&](const Frame& other, bool refusal) {
+      return match(declaration, operation, other, frame, refusal).size == seen.size;
+    };
     const bool alike =
-        match(declaration, operation, operation.response, frame, false).size == seen.size ||
-        match(declaration, operation, declaration.refusal, frame, true).size == seen.size;
+        alike_frame(operation.response, false) ||
+        std::ranges::any_of(operation.others,
+                            [&](const Frame& other) { return alike_frame(other, false); }) ||
+        std::ranges::any_of(declaration.refusals,
+                            [&](const Frame& refusal) { return alike_frame(refusal, true); });
     if (alike) seen.certain = false;
   }
   return seen;

@@ -11,12 +11,6 @@
 namespace fieldcast::test {
 namespace {
 
-Device declared_by(std::string_view text, std::uint16_t address) {
-  const auto loaded = config::load_declaration_text(text, "test.yaml");
-  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
-  return Device(std::move(*declared::make(loaded->value, {.address = address})));
-}
-
 // Source: Modbus over Serial Line V1.02, 2.5.2.
 constexpr std::string_view kModbusAscii = R"(
 summary: registers by Modbus ASCII

@@ -245,6 +245,9 @@ tl::expected<LineExchange::Response, std::string> LineExchange::ask(
   if (state.outcome == ExchangeDriver::Outcome::kDone) {
     response.took = state.driver->response_time();
     response.reply = state.driver->exchange().reply();
+    for (const RangeReply& range : response.reply) {
+      if (!range.absent.empty()) response.cause = Cause::kDeviceError;
+    }
   } else {
     response.cause = state.driver->cause();
     response.device_code = state.driver->device_code();

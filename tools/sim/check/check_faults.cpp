@@ -163,7 +163,7 @@ constexpr std::uint8_t kCode = 4;
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
   const bool silent =
-      subject.device.declaration && subject.device.declaration.value->refusal.fields.empty();
+      subject.device.declaration && subject.device.declaration.value->refusals.empty();
   if (silent) row.note = "no error frame is declared: the device stays silent";
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {

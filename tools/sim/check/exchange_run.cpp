@@ -89,10 +89,12 @@ std::vector<Subject> subjects_of(const declared::SharedDeclaration& declaration)
                   serial(), true};
   subject.device.protocol = value.name;
   subject.device.declaration = declaration;
-  subject.checked =
-      std::ranges::all_of(value.operations,
-                          [](const auto& each) { return has_check(each.response); }) &&
-      (value.refusal.fields.empty() || has_check(value.refusal));
+  subject.checked = std::ranges::all_of(value.operations,
+                                        [](const auto& each) {
+                                          return has_check(each.response) &&
+                                                 std::ranges::all_of(each.others, has_check);
+                                        }) &&
+                    std::ranges::all_of(value.refusals, has_check);
   return {subject};
 }
 

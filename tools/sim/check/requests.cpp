@@ -15,10 +15,13 @@ Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subjec
 
 namespace {
 
-void describe(const declared::Frame& frame, Slot& slot) {
+// Returns false if the frame has no such value.
+bool describe(const declared::Frame& frame, Slot& slot) {
+  bool found = false;
   for (std::size_t i = 0; i < frame.fields.size(); ++i) {
     const declared::Field& field = frame.fields[i];
     if (field.kind != declared::FieldKind::kValue || field.place != slot.range.first) continue;
+    found = true;
     slot.text_bytes = field.text_size;
     if (field.text_size == 0) slot.largest = declared::largest(field.word);
     if (!field.variable || i + 1 == frame.fields.size()) continue;
@@ -26,6 +29,7 @@ void describe(const declared::Frame& frame, Slot& slot) {
     slot.end_of_text = next.text.empty() ? static_cast<std::uint8_t>(next.number)
                                          : static_cast<std::uint8_t>(next.text[0]);
   }
+  return found;
 }
 
 // An odd text leaves its last byte empty.
@@ -46,10 +50,12 @@ std::vector<Slot> Requests::places(AreaIndex area) const {
   const declared::Declaration& declaration = *subject_.device.declaration.value;
   for (const declared::Place& place : declaration.areas[area].places) {
     Slot slot{{area, place.first, place.items}, 16, place.bits, place.is_signed};
+    bool sent = false;  // the simulated device sends the first form of each response
     for (const declared::Operation& operation : declaration.operations) {
-      if (operation.area == area && !operation.write) describe(operation.response, slot);
+      if (operation.area == area && !operation.write)
+        sent = describe(operation.response, slot) || sent;
     }
-    slots.push_back(slot);
+    if (sent) slots.push_back(slot);
   }
   return slots;
 }

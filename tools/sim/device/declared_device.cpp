@@ -184,10 +184,11 @@ std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredT
 
 Bytes DeclaredDevice::refuse(const Operation& operation, DeclaredText text, std::uint8_t code) {
   ++statistics_.exceptions[code];
-  if (declaration_->refusal.fields.empty()) return {};
+  if (declaration_->refusals.empty()) return {};
+  const declared::Frame& refused = declaration_->refusals[code % declaration_->refusals.size()];
   text.error = code;
   ++statistics_.responses;
-  return say(declaration_->refusal, declaration_->areas[operation.area].item_bits, text);
+  return say(refused, declaration_->areas[operation.area].item_bits, text);
 }
 
 Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Instant now) {

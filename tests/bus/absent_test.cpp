@@ -1,0 +1,76 @@
+// Values that a response does not have: another form of it, or a block without them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "config/loader/loader.hpp"
+#include "tests/bus/virtual_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::VirtualBus;
+
+// The simulated device sends the first form.
+constexpr auto kMeter = R"(
+summary: a multimeter that sends volts or amperes
+addresses: { from: 1, to: 9 }
+areas: [{ name: display, record: true }]
+operations:
+  - name: read
+    read: display
+    request: [{ name: ask, constant: "D" }, { is: address }]
+    answers:
+      - - { name: mode, constant: "V" }
+        - { name: volts, is: value, bytes: 2 }
+        - { name: battery, is: value }
+        - { is: checksum, kind: xor, of: mode..battery }
+      - - { name: mode, constant: "A" }
+        - { name: amperes, is: value, bytes: 2 }
+        - { name: battery, is: value }
+        - { is: checksum, kind: xor, of: mode..battery }
+)";
+
+BusSpec meter() {
+  const config::FileReader reader{
+      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
+        if (path == "protocols/meter.yaml") return kMeter;
+        return tl::unexpected(config::FileError::kMissing);
+      },
+      {}};
+  const auto loaded = config::load_text(R"(
+bridge: b
+buses:
+  - name: bus
+    port: { serial: /dev/ttyS0, baud: 19200 }
+    protocol: meter
+    devices:
+      - name: m
+        address: 1
+        channels:
+          - { name: volts, at: volts, type: uint16, refresh: 200ms }
+          - { name: amperes, at: amperes, type: uint16, refresh: 200ms }
+          - { name: battery, at: battery, type: uint8, refresh: 200ms }
+)",
+                                        "plant.yaml", reader);
+  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
+  return loaded->buses[0];
+}
+
+TEST(Absent, AValueThatIsNotInTheResponseTakesNoOtherWithIt) {
+  VirtualBus bus(meter(), {}, 1);
+  bus.run_until(bus.now() + 150s);
+  const auto& channels = bus.channels();
+  for (const std::size_t there : {0u, 2u}) {
+    EXPECT_EQ(channels[there].quality, Quality::kGood);
+    EXPECT_GE(channels[there].good, 740u);
+    EXPECT_LE(channels[there].longest_gap, 220ms);
+  }
+  EXPECT_EQ(channels[1].quality, Quality::kBadDeviceError);
+  EXPECT_EQ(channels[1].good, 0u);
+}
+
+}  // namespace
+}  // namespace fieldcast
