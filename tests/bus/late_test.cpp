@@ -277,7 +277,11 @@ void expect_seen(const Subject& subject, int& certain) {
       const SeenRequest mistaken = answer.empty() ? SeenRequest{} : seen(answer);
       EXPECT_FALSE(mistaken && mistaken.certain) << name_of(subject, each.name) << to_hex(answer);
     }
-    for (std::size_t size = 0; size < request.size(); ++size)
+    // Without its CR LF, a request of MC format 4 is one of format 1.
+    const bool has_shorter_form =
+        subject.device.protocol == "mitsubishi-mc-serial" && request.back() == '\n';
+    const std::size_t whole = request.size() - (has_shorter_form ? 2 : 0);
+    for (std::size_t size = 0; size < whole; ++size)
       EXPECT_FALSE(seen(ByteView(request).first(size))) << name_of(subject, each.name) << size;
     if (!subject.checked) continue;
     for (std::size_t bit = 0; bit < 8 * request.size(); ++bit) {

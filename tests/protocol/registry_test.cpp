@@ -91,6 +91,7 @@ TEST(DeviceCode, StatesOfTheMomentByFamily) {
   const Codes kFins{1,      2,      0x0B,   0x21,   0x0100, 0x0200, 0x0204, 0x0205, 0x0300,
                     0x2200, 0x2201, 0x2203, 0x2206, 0x2502, 0x3001, 0x4001, 0x7020, 0x7025};
   const Codes kMc{0x4010, 0x4013, 0xC035, 0xCEE0, 0xCF70, 0xCF71};
+  const Codes kMcSerial{0x4010, 0x4013, 0x7E47, 0x7F01, 0x7F31};
   const std::map<std::string_view, Codes> expected{{"modbus-rtu", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"modbus-ascii", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"modbus-tcp", {4, 5, 6, 8, 0x0A, 0x0B}},
@@ -101,6 +102,7 @@ TEST(DeviceCode, StatesOfTheMomentByFamily) {
                                                    {"s7-freeport", {}},
                                                    {"mitsubishi-fx", {}},
                                                    {"mitsubishi-mc", kMc},
+                                                   {"mitsubishi-mc-serial", kMcSerial},
                                                    {"dtc", {}}};
   for (const ProtocolEntry& entry : protocols()) {
     const auto made = entry.make({.address = 1});

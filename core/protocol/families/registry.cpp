@@ -6,6 +6,7 @@
 #include "core/protocol/dtc/dtc.hpp"
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 #include "core/protocol/mitsubishi_mc/mitsubishi_mc.hpp"
+#include "core/protocol/mitsubishi_mc_serial/mitsubishi_mc_serial.hpp"
 #include "core/protocol/modbus/modbus.hpp"
 #include "core/protocol/omron_fins/fins_tcp.hpp"
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
@@ -22,6 +23,7 @@ std::span<const ProtocolEntry> protocols() {
       dtc::entry(),
       mitsubishi_fx::entry(),
       mitsubishi_mc::entry(),
+      mitsubishi_mc::serial_entry(),
       modbus::rtu_entry(),
       modbus::ascii_entry(),
       modbus::tcp_entry(),

@@ -9,13 +9,16 @@
 
 namespace fieldcast::mitsubishi_mc {
 
-inline constexpr std::array kCodes{
-    DeviceCode{0x0055, "the PLC does not permit writes while it runs"},
+// Of the CPU, in responses of any module.
+inline constexpr std::array kCpuCodes{
     DeviceCode{0x4000, "the CPU module refused the request"},
     DeviceCode{0x4010, "not possible while the CPU runs", Cause::kDeviceBusy},
     DeviceCode{0x4013, "not possible in the present state of the CPU", Cause::kDeviceBusy},
     DeviceCode{0x4030, "the CPU does not have this device"},
     DeviceCode{0x4031, "the number of the device is out of range"},
+};
+inline constexpr std::array kEthernetCodes{
+    DeviceCode{0x0055, "the PLC does not permit writes while it runs"},
     DeviceCode{0xC035, "the other station could not be reached", Cause::kDeviceBusy, true},
     DeviceCode{0xC050, "ASCII digits that are not a number"},
     DeviceCode{0xC051, "too many bits in one request"},
@@ -45,5 +48,6 @@ inline constexpr std::array kCodes{
     DeviceCode{0xCF70, "error on the way to the other station", Cause::kDeviceBusy, true},
     DeviceCode{0xCF71, "the other station did not respond in time", Cause::kDeviceBusy, true},
 };
+inline constexpr auto kCodes = joined_codes(kCpuCodes, kEthernetCodes);
 
 }  // namespace fieldcast::mitsubishi_mc

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <utility>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/field_writer.hpp"
 #include "core/protocol/mitsubishi_mc/codes.hpp"
+#include "core/protocol/mitsubishi_mc/command_names.hpp"
 #include "core/protocol/mitsubishi_mc/frame.hpp"
 #include "core/protocol/mitsubishi_mc/mitsubishi_mc.hpp"
 
@@ -13,23 +13,6 @@ namespace fieldcast::mitsubishi_mc {
 namespace {
 
 constexpr std::size_t kMaxExplained = 8192;  // characters
-
-using NamedCommand = std::pair<std::uint32_t, std::string_view>;
-constexpr NamedCommand kCommands[] = {{0x0101, "read CPU model"},
-                                      {0x0401, "batch read"},
-                                      {0x0403, "random read"},
-                                      {0x0406, "read blocks"},
-                                      {0x0619, "loopback test"},
-                                      {0x0801, "register monitor data"},
-                                      {0x0802, "monitor"},
-                                      {0x1001, "remote run"},
-                                      {0x1002, "remote stop"},
-                                      {0x1401, "batch write"},
-                                      {0x1402, "random write"},
-                                      {0x1406, "write blocks"},
-                                      {0x1617, "clear error"},
-                                      {0x1630, "remote password unlock"},
-                                      {0x1631, "remote password lock"}};
 
 std::string hex(std::uint32_t number, unsigned digits) {
   Bytes text;
@@ -94,8 +77,7 @@ class McExplainer {
     last_ = value.value_or(0);
     std::string text = hex(last_, static_cast<unsigned>(2 * bytes));
     if (name == "command") {
-      const auto row = std::ranges::find(kCommands, last_, &NamedCommand::first);
-      if (row != std::end(kCommands)) text += " " + std::string(row->second);
+      if (const auto words = command_name(last_); !words.empty()) text += " " + std::string(words);
     } else if (name == "end code" && last_ != 0) {
       text += " " + std::string(device_code_text(kCodes, static_cast<std::uint16_t>(last_)));
     } else if (name == "timer") {

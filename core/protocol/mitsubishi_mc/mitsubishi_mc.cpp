@@ -202,7 +202,7 @@ const ProtocolEntry& entry() {
           "`unit` of another PLC behind this one; its `address` is the station",
       .first_frame = first_frame,
       .network_only = true,
-      .instead = "mitsubishi-fx",
+      .instead = "mitsubishi-mc-serial",
       .carrier_checks = true,
       .aliases = kAliases,
       .variants = kVariants};

@@ -50,6 +50,20 @@ std::optional<std::size_t> area_named(std::string_view name) {
   return std::nullopt;
 }
 
+std::uint8_t option_number(const DeviceSetup& setup, const std::string& name) {
+  const auto found = setup.spec.link.options.find(name);
+  return found == setup.spec.link.options.end()
+             ? std::uint8_t{0}
+             : static_cast<std::uint8_t>(address_number(found->second).value_or(0));
+}
+
+bool option_is(const DeviceSetup& setup, const std::string& name, std::string_view value) {
+  const auto found = setup.spec.link.options.find(name);
+  return found != setup.spec.link.options.end() && found->second == value;
+}
+
+}  // namespace
+
 std::optional<ItemAddress> parse_mc_address(std::string_view at) {
   const std::string_view whole = at.substr(0, at.find('.'));
   for (std::size_t letters : {3, 2, 1}) {
@@ -68,20 +82,6 @@ std::optional<ItemAddress> parse_mc_address(std::string_view at) {
   }
   return std::nullopt;
 }
-
-std::uint8_t option_number(const DeviceSetup& setup, const std::string& name) {
-  const auto found = setup.spec.link.options.find(name);
-  return found == setup.spec.link.options.end()
-             ? std::uint8_t{0}
-             : static_cast<std::uint8_t>(address_number(found->second).value_or(0));
-}
-
-bool option_is(const DeviceSetup& setup, const std::string& name, std::string_view value) {
-  const auto found = setup.spec.link.options.find(name);
-  return found != setup.spec.link.options.end() && found->second == value;
-}
-
-}  // namespace
 
 // Reads a request field by field. After the first error all numbers are 0.
 class McDevice::Text {
@@ -188,10 +188,12 @@ class McDevice::Connection : public GapReceiver {
   McDevice& device_;
 };
 
-McDevice::McDevice(const DeviceSetup& setup)
+McDevice::McDevice(const DeviceSetup& setup) : McDevice(setup, option_is(setup, "code", "ascii")) {}
+
+McDevice::McDevice(const DeviceSetup& setup, bool ascii)
     : MemoryDevice({mc_areas(), setup}),
       line_(setup.line),
-      ascii_(option_is(setup, "code", "ascii")),
+      ascii_(ascii),
       station_(setup.spec.link.address == 0 ? std::uint8_t{0xFF}
                                             : static_cast<std::uint8_t>(setup.spec.link.address)),
       network_(option_number(setup, "network")),
@@ -215,11 +217,8 @@ void McDevice::answer(ByteView frame, Instant now, Reaction& reaction) {
   if (station != station_ || network != network_) return;
   (void)text.number(2);  // length
   (void)text.number(2);  // monitoring timer
-  const std::uint32_t command = text.number(2), subcommand = text.number(2);
-  Result result{text.field_fault(), {}};
-  Text parameters(text.rest(), ascii_, subcommand >= 2);
-  if (result.end == 0) result = execute(command, subcommand, parameters, now);
-  ++statistics_.requests[fmt::format("{:04X}", command)];
+  const ByteView content = text.rest();
+  Result result = run(content, now);
   ++statistics_.responses;
   const auto append_route = [&](Bytes& out) {
     append_field(out, network, 1);
@@ -231,8 +230,9 @@ void McDevice::answer(ByteView frame, Instant now, Reaction& reaction) {
     ++statistics_.exceptions[result.end];
     result.data.clear();
     append_route(result.data);
-    append_field(result.data, command, 2);
-    append_field(result.data, subcommand, 2);
+    Bytes command(content.begin(), content.end());
+    command.resize(ascii_ ? 8 : 4);
+    append(result.data, command);
   }
   Bytes& out = reaction.response;
   append_field(out, kind | kResponse, 1);
@@ -245,6 +245,22 @@ void McDevice::answer(ByteView frame, Instant now, Reaction& reaction) {
   append_field(out, result.data.size() + (ascii_ ? 4 : 2), 2);
   append_field(out, result.end, 2);
   append(out, result.data);
+}
+
+std::optional<McDevice::Place> McDevice::place_at(std::string_view name, ByteView digits) {
+  const auto area = area_named(name);
+  const auto number = area ? number_in(digits, kAreas[*area].base) : std::nullopt;
+  if (!number) return std::nullopt;
+  return Place{*area, static_cast<std::uint32_t>(*number)};
+}
+
+McDevice::Result McDevice::run(ByteView content, Instant now) {
+  Text text(content, ascii_);
+  const std::uint32_t command = text.number(2), subcommand = text.number(2);
+  Text parameters(text.rest(), ascii_, subcommand >= 2);
+  ++statistics_.requests[fmt::format("{:04X}", command)];
+  if (text.field_fault() != 0) return {text.field_fault(), {}};
+  return execute(command, subcommand, parameters, now);
 }
 
 McDevice::Result McDevice::execute(std::uint32_t command, std::uint32_t subcommand, Text& text,

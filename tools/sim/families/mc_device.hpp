@@ -27,9 +27,7 @@ class McDevice : public MemoryDevice {
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
 
- private:
-  class Connection;
-  class Text;
+ protected:
   struct Place {
     std::size_t area = 0;
     std::uint32_t number = 0;
@@ -38,14 +36,12 @@ class McDevice : public MemoryDevice {
     std::uint16_t end = 0;
     Bytes data;
   };
+  McDevice(const DeviceSetup& setup, bool ascii);
 
-  // Responds to a whole request.
-  void answer(ByteView frame, Instant now, Reaction& reaction);
-  [[nodiscard]] Result execute(std::uint32_t command, std::uint32_t subcommand, Text& text,
-                               Instant now);
-  [[nodiscard]] Result batch(bool write, bool bits, Text& text, Instant now);
-  [[nodiscard]] Result random_read(bool series_r, Text& text, Instant now) const;
-  [[nodiscard]] Result random_write(bool bits, bool series_r, Text& text);
+  // Empty for an unknown device, or digits that are not a number of its base.
+  [[nodiscard]] static std::optional<Place> place_at(std::string_view name, ByteView digits);
+  // Executes a request from its command on.
+  [[nodiscard]] Result run(ByteView content, Instant now);
 
   // The end code of a refusal, or 0. Of bit devices, a word is 16 of them.
   [[nodiscard]] std::uint16_t refusal_of_words(const Place& place, std::uint32_t words) const;
@@ -56,9 +52,25 @@ class McDevice : public MemoryDevice {
 
   const LineFormat line_;
   const bool ascii_;
+
+ private:
+  class Connection;
+  class Text;
+
+  // Responds to a whole request.
+  void answer(ByteView frame, Instant now, Reaction& reaction);
+  [[nodiscard]] Result execute(std::uint32_t command, std::uint32_t subcommand, Text& text,
+                               Instant now);
+  [[nodiscard]] Result batch(bool write, bool bits, Text& text, Instant now);
+  [[nodiscard]] Result random_read(bool series_r, Text& text, Instant now) const;
+  [[nodiscard]] Result random_write(bool bits, bool series_r, Text& text);
+
   const std::uint8_t station_, network_;
   const bool has_port_;  // the PLC of the connection; others are behind it
 };
+
+// Empty for an invalid address.
+[[nodiscard]] std::optional<ItemAddress> parse_mc_address(std::string_view at);
 
 // Fails for an address above 255 or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_mc_device(

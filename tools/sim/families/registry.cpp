@@ -10,6 +10,7 @@
 #include "tools/sim/families/fx_device.hpp"
 #include "tools/sim/families/hostlink_device.hpp"
 #include "tools/sim/families/mc_device.hpp"
+#include "tools/sim/families/mc_serial_device.hpp"
 #include "tools/sim/families/modbus/modbus_device.hpp"
 #include "tools/sim/families/modbus/modbus_unit.hpp"
 #include "tools/sim/families/ppi_device.hpp"
@@ -25,6 +26,7 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"dtc", kDtcAreaNames, true, &make_dtc_device},
       DeviceKind{"mitsubishi-fx", kFxAreaNames, true, &make_fx_device},
       DeviceKind{"mitsubishi-mc", kMcAreaNames, false, &make_mc_device},
+      DeviceKind{"mitsubishi-mc-serial", kMcAreaNames, true, &make_mc_serial_device},
       DeviceKind{"omron-fins", kOmronAreaNames, false, &make_fins_tcp_device},
       DeviceKind{"omron-hostlink", kOmronAreaNames, true, &make_hostlink_device},
       DeviceKind{"s7-freeport", kFreeportAreaNames, true, &make_freeport_device},

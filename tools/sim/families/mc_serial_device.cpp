@@ -1,0 +1,221 @@
+#include "tools/sim/families/mc_serial_device.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "core/codec/checksum.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kDle = 0x10, kNak = 0x15;
+constexpr std::size_t kMostReceived = 8500;
+constexpr std::uint16_t kUnknownCommand = 0x7F22, kWrongEnd = 0x7F23, kWrongSum = 0x7F24;
+
+std::string option(const DeviceSetup& setup, const std::string& name, std::string otherwise) {
+  const auto found = setup.spec.link.options.find(name);
+  return found == setup.spec.link.options.end() ? std::move(otherwise) : found->second;
+}
+
+// The code of the serial module for one of the Ethernet module.
+std::uint16_t module_code(std::uint16_t code) {
+  switch (code) {
+    case 0xC050:
+    case 0xC060: return 0x7F20;
+    case 0xC051:
+    case 0xC052: return 0x7E42;
+    case 0xC053:
+    case 0xC054: return 0x7E41;
+    case 0xC059: return kUnknownCommand;
+    case 0xC05B: return 0x7E43;
+    case 0xC05C: return 0x7164;
+    case 0xC061: return kWrongEnd;
+    default: return code;
+  }
+}
+
+Bytes header_of(const DeviceSetup& setup, bool binary) {
+  Bytes header;
+  const auto number = [&](std::uint64_t value, unsigned bytes) {
+    if (!binary) return append_hex(header, value, 2 * bytes);
+    for (; bytes > 0; --bytes, value >>= 8) header.push_back(static_cast<std::uint8_t>(value));
+  };
+  const auto named = [&](const char* name, unsigned otherwise) {
+    return address_number(option(setup, name, std::to_string(otherwise))).value_or(0);
+  };
+  const std::string frame = option(setup, "frame", "4c");
+  const bool is_4c = frame == "4c";
+  number(is_4c ? 0xF8 : 0xF9, 1);
+  number(setup.spec.link.address, 1);
+  number(named("network", 0), 1);
+  number(named("pc", 255), 1);
+  if (is_4c) {
+    number(named("module", 1023), 2);
+    number(named("unit", 0), 1);
+  }
+  number(named("own-station", 0), 1);
+  return header;
+}
+
+// The bytes between 10 02 and 10 03; empty before 10 03.
+std::optional<Bytes> between_marks(ByteView bytes, std::size_t& end) {
+  Bytes text;
+  for (end = 2; end + 1 < bytes.size(); ++end) {
+    if (bytes[end] == kDle && bytes[end + 1] == kEtx) {
+      end += 2;
+      return text;
+    }
+    if (bytes[end] == kDle) ++end;
+    text.push_back(bytes[end]);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+class McSerialDevice::Line : public GapReceiver {
+ public:
+  explicit Line(McSerialDevice& device) : GapReceiver(device.line_, kStreamGap), device_(device) {}
+
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
+    heard(end, reaction);
+    if (device_.binary_ ? !begins_binary(character) : !begins_ascii(character)) return;
+    const bool whole = device_.binary_
+                           ? device_.take_binary(received_, end, reaction)
+                           : device_.take_ascii(ByteView(received_).subspan(1), end, reaction);
+    if (whole || received_.size() > kMostReceived) received_.clear();
+  }
+
+ private:
+  // Both return false if the character is not part of a request.
+  bool begins_ascii(std::uint8_t character) {
+    if (character == kEnq) received_.clear();
+    if (character != kEnq && received_.empty()) return false;
+    received_.push_back(character);
+    return true;
+  }
+  bool begins_binary(std::uint8_t character) {
+    if (received_.size() == 1 && character != kStx) received_.clear();
+    if (received_.empty() && character != kDle) return false;
+    received_.push_back(character);
+    return received_.size() > 2;
+  }
+
+  McSerialDevice& device_;
+};
+
+McSerialDevice::McSerialDevice(const DeviceSetup& setup)
+    : McDevice(setup, option(setup, "format", "1") != "5"),
+      binary_(!ascii_),
+      line_end_(option(setup, "format", "1") == "4"),
+      sum_check_(option(setup, "sum-check", "true") == "true"),
+      header_(header_of(setup, binary_)) {}
+
+std::unique_ptr<Receiver> McSerialDevice::open_receiver() { return std::make_unique<Line>(*this); }
+
+std::optional<std::size_t> McSerialDevice::length_of(ByteView content) {
+  if (content.size() < 8) return std::nullopt;
+  const auto command = number_in(content.first(4)), subcommand = number_in(content.subspan(4, 4));
+  if (!command || !subcommand || *subcommand > 3) return 0;
+  const std::size_t device = *subcommand < 2 ? 8 : 12;
+  const bool batch = *command == 0x0401 || *command == 0x1401;
+  if (!batch && *command != 0x0403) return 0;
+  const std::size_t counts = batch ? 8 + device : 8;
+  if (content.size() < counts + 4) return std::nullopt;
+  const auto points = number_in(content.subspan(counts, batch ? 4 : 2));
+  const auto doubles = batch ? 0 : number_in(content.subspan(counts + 2, 2));
+  if (!points || !doubles) return 0;
+  if (!batch) return counts + 4 + (*points + *doubles) * device;
+  const std::size_t each = *command == 0x0401 ? 0 : *subcommand % 2 != 0 ? 1 : 4;
+  return counts + 4 + *points * each;
+}
+
+bool McSerialDevice::take_ascii(ByteView text, Instant now, Reaction& reaction) {
+  if (text.size() < header_.size()) return false;
+  if (!std::ranges::equal(text.first(header_.size()), header_)) return true;
+  const auto length = length_of(text.subspan(header_.size()));
+  if (!length) return false;
+  if (*length == 0) {
+    respond({kUnknownCommand, {}}, reaction);
+    return true;
+  }
+  const std::size_t summed = header_.size() + *length;
+  const std::size_t sum = sum_check_ ? 2 : 0, end = line_end_ ? 2 : 0;
+  if (text.size() < summed + sum + end) return false;
+  const ByteView digits = text.subspan(summed, sum), marks = text.subspan(summed + sum, end);
+  if (sum_check_ && number_in(digits) != sum8(text.first(summed)))
+    respond({kWrongSum, {}}, reaction);
+  else if (line_end_ && (marks[0] != '\r' || marks[1] != '\n'))
+    respond({kWrongEnd, {}}, reaction);
+  else
+    respond(run(text.subspan(header_.size(), *length), now), reaction);
+  return true;
+}
+
+bool McSerialDevice::take_binary(ByteView bytes, Instant now, Reaction& reaction) {
+  std::size_t end = 0;
+  const auto text = between_marks(bytes, end);
+  if (!text || bytes.size() < end + (sum_check_ ? 2 : 0)) return false;
+  const ByteView whole(*text);
+  if (whole.size() < 2 + header_.size() + 4) return true;
+  const ByteView content = whole.subspan(2 + header_.size());
+  const bool is_response = content[0] == 0xFF && content[1] == 0xFF;  // of another PLC
+  if (is_response || !std::ranges::equal(whole.subspan(2, header_.size()), header_)) return true;
+  const std::size_t count = whole[0] | static_cast<std::size_t>(whole[1]) << 8;
+  if (sum_check_ && number_in(bytes.subspan(end, 2)) != sum8(whole))
+    respond({kWrongSum, {}}, reaction);
+  else if (count != whole.size() - 2)
+    respond({kWrongEnd, {}}, reaction);
+  else
+    respond(run(content, now), reaction);
+  return true;
+}
+
+void McSerialDevice::respond(const Result& result, Reaction& reaction) {
+  ++statistics_.responses;
+  const Result own{module_code(result.end), result.end == 0 ? result.data : Bytes{}};
+  if (own.end == kWrongSum || own.end == kWrongEnd) ++statistics_.bad_frames;
+  if (own.end != 0) ++statistics_.exceptions[own.end];
+  if (binary_)
+    respond_binary(own, reaction.response);
+  else
+    respond_ascii(own, reaction.response);
+}
+
+void McSerialDevice::respond_ascii(const Result& result, Bytes& out) const {
+  out.push_back(result.end != 0 ? kNak : result.data.empty() ? kAck : kStx);
+  append(out, header_);
+  if (result.end != 0) append_hex(out, result.end, 4);
+  append(out, result.data);
+  if (!result.data.empty()) {
+    out.push_back(kEtx);
+    if (sum_check_) append_hex(out, sum8(ByteView(out).subspan(1)), 2);
+  }
+  if (!line_end_) return;
+  out.push_back('\r');
+  out.push_back('\n');
+}
+
+void McSerialDevice::respond_binary(const Result& result, Bytes& out) const {
+  Bytes text;
+  append_field(text, header_.size() + 4 + result.data.size(), 2);
+  append(text, header_);
+  append_field(text, 0xFFFF, 2);
+  append_field(text, result.end, 2);
+  append(text, result.data);
+  out = {kDle, kStx};
+  for (const std::uint8_t byte : text) {
+    out.push_back(byte);
+    if (byte == kDle) out.push_back(kDle);
+  }
+  out.push_back(kDle);
+  out.push_back(kEtx);
+  if (sum_check_) append_hex(out, sum8(text), 2);
+}
+
+tl::expected<std::unique_ptr<SimDevice>, std::string> make_mc_serial_device(
+    const DeviceSetup& setup) {
+  return make_memory_device<McSerialDevice>(setup, 31, parse_mc_address, "station");
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,47 @@
+// A simulated Mitsubishi PLC at its serial communication module, from the specification only
+// (SH-080008, chapters 4 and 8). It responds to the frames and in the format that its options name,
+// and to a request whose header has its station and the route of its options.
+//
+//     05 header content sum  ->  02 header data 03 sum, 06 header, or 15 header code
+//     10 02 count header content 10 03 sum  ->  10 02 count header FF FF code data 10 03 sum
+//
+// The module finds the end of a request without CR LF by the length that its command needs. A
+// silence of 100 ms ends a partial frame.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "tools/sim/families/mc_device.hpp"
+
+namespace fieldcast::sim {
+
+class McSerialDevice : public McDevice {
+ public:
+  explicit McSerialDevice(const DeviceSetup& setup);
+
+  [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
+
+ private:
+  class Line;
+
+  // Returns true if the request is whole, or is for another station.
+  bool take_ascii(ByteView text, Instant now, Reaction& reaction);
+  bool take_binary(ByteView bytes, Instant now, Reaction& reaction);
+
+  // Characters of a request in ASCII code from its command on. Empty: not known yet; 0: the command
+  // does not exist.
+  [[nodiscard]] static std::optional<std::size_t> length_of(ByteView content);
+  void respond(const Result& result, Reaction& reaction);
+  void respond_ascii(const Result& result, Bytes& out) const;
+  void respond_binary(const Result& result, Bytes& out) const;
+
+  const bool binary_, line_end_, sum_check_;
+  Bytes header_;
+};
+
+// Fails for a station above 31 or an invalid channel address.
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_mc_serial_device(
+    const DeviceSetup& setup);
+
+}  // namespace fieldcast::sim
