@@ -44,25 +44,11 @@ constexpr DeviceRow kRows[] = {
 constexpr std::uint32_t kSixDigits = 1'000'000;
 
 Reached find_reached(const Format& format) {
-  Reached reached;
-  for (const DeviceRow& row : kRows) {
-    const bool bits = row.item_bits == 1;
-    const std::uint16_t most = !bits ? 960 : format.ascii ? 3584 : 7168;
-    Area area{.name = row.name, .item_bits = row.item_bits, .type = row.type, .items = row.items};
-    if (format.ascii && !format.wide && row.ascii_base == 10)
-      area.items = std::min(area.items, kSixDigits);
-    area.writable = row.writable;
-    area.max_read = most;
-    area.max_write = row.writable ? most : std::uint16_t{0};
-    area.bit_write = bits && row.writable;
-    // D1500 holds the low word of D1501, D1500 (SH-080008, 8.3, example of the random read), and
-    // the low byte of a word the first character of a text, as in FX.
-    if (!bits) {
-      area.word_order = WordOrder::kLittleEndian;
-      area.text_order = ByteOrder::kLittleEndian;
-    }
-    reached.rows.push_back(&row);
-    reached.areas.push_back(area);
+  const std::uint16_t bits = format.ascii ? 3584 : 7168;
+  Reached reached = reached_from(kRows, {.words = 960, .read_bits = bits, .write_bits = bits});
+  for (std::size_t i = 0; i < reached.rows.size(); ++i) {
+    if (format.ascii && !format.wide && reached.rows[i]->ascii_base == 10)
+      reached.areas[i].items = std::min(reached.areas[i].items, kSixDigits);
   }
   return reached;
 }
@@ -77,11 +63,11 @@ bool is_named(const DeviceRow& row, std::string_view name) {
 }
 
 // The longest name of a device at the beginning: a hexadecimal number may begin with a letter.
-const DeviceRow* find_row(std::string_view at, std::size_t& length) {
+const DeviceRow* find_row(const Reached& reached, std::string_view at, std::size_t& length) {
   for (length = std::min<std::size_t>(at.size(), 3); length > 0; --length) {
     const auto row = std::ranges::find_if(
-        kRows, [&](const DeviceRow& each) { return is_named(each, at.substr(0, length)); });
-    if (row != std::end(kRows)) return &*row;
+        reached.rows, [&](const DeviceRow* each) { return is_named(*each, at.substr(0, length)); });
+    if (row != reached.rows.end()) return *row;
   }
   return nullptr;
 }
@@ -90,15 +76,16 @@ std::string_view letters_of(std::string_view at) {
   return at.substr(0, std::min(at.find_first_of("0123456789."), at.size()));
 }
 
-ParsedOrFault unknown_device(std::string_view at) {
+ParsedOrFault unknown_device(const Reached& reached, const AddressFaults& fault,
+                             std::string_view at) {
   const std::string_view letters = letters_of(at);
   const std::string upper = upper_case(at);
   std::size_t length = 0;
-  std::string suggestion = upper != at && find_row(upper, length) != nullptr ? upper : "";
+  std::string suggestion = upper != at && find_row(reached, upper, length) != nullptr ? upper : "";
   // The program calls a timer T5: its value is TN5.
   if (letters == "T" || letters == "C" || letters == "ST")
     suggestion = std::string(letters) + "N" + std::string(at.substr(letters.size()));
-  return kFault("device " + in_quotes(letters) + " is unknown", suggestion);
+  return fault("device " + in_quotes(letters) + " is unknown", suggestion);
 }
 
 // Decimal, or one hexadecimal digit as the programming software writes it.
@@ -109,36 +96,63 @@ std::optional<std::uint32_t> bit_number(std::string_view text) {
 
 }  // namespace
 
+Reached reached_from(std::span<const DeviceRow> rows, const AreaLimits& limits) {
+  Reached reached;
+  for (const DeviceRow& row : rows) {
+    const bool bits = row.item_bits == 1;
+    Area area{.name = row.name, .item_bits = row.item_bits, .type = row.type, .items = row.items};
+    area.writable = row.writable;
+    area.max_read = bits ? limits.read_bits : limits.words;
+    area.max_write = !row.writable ? std::uint16_t{0} : bits ? limits.write_bits : limits.words;
+    area.bit_write = bits && row.writable;
+    // D1500 holds the low word of D1501, D1500 (SH-080008, 8.3, example of the random read), and
+    // the low byte of a word the first character of a text, as in FX.
+    if (!bits) {
+      area.word_order = WordOrder::kLittleEndian;
+      area.text_order = ByteOrder::kLittleEndian;
+    }
+    reached.rows.push_back(&row);
+    reached.areas.push_back(area);
+  }
+  return reached;
+}
+
 const Reached& reached_by(const Format& format) {
   static const std::array<Reached, 3> sets{find_reached({}), find_reached({.ascii = true}),
                                            find_reached({.ascii = true, .wide = true})};
   return sets[!format.ascii ? 0 : format.wide ? 2 : 1];
 }
 
-ParsedOrFault parse_address(const Format& format, std::string_view at) {
+ParsedOrFault parse_device(const Reached& reached, const AddressFaults& fault,
+                           std::string_view at) {
   std::size_t name = 0;
-  const DeviceRow* row = find_row(at, name);
-  if (row == nullptr || letters_of(at) == "ST") return unknown_device(at);
+  const DeviceRow* row = find_row(reached, at, name);
+  if (row == nullptr || letters_of(at) == "ST") return unknown_device(reached, fault, at);
   const std::size_t dot = std::min(at.find('.'), at.size());
   const std::string_view number = at.substr(name, std::max(dot, name) - name);
   const auto which = whole_number(number, row->base);
   if (!which) {
-    return kFault(in_quotes(number) + (row->base == 16 ? " is not a hexadecimal number"
+    return fault(in_quotes(number) + (row->base == 16  ? " is not a hexadecimal number"
+                                      : row->base == 8 ? " is not an octal number"
                                                        : " is not a decimal number"),
-                  std::string(at.substr(0, name)) + "0");
+                 std::string(at.substr(0, name)) + "0");
   }
-  const auto& [rows, areas] = reached_by(format);
+  const auto& [rows, areas] = reached;
   ParsedAddress address{.area = static_cast<AreaIndex>(std::ranges::find(rows, row) - rows.begin()),
                         .first = *which};
   if (*which >= areas[address.area].items)
-    return kFault(in_quotes(at) + " is beyond the end of " + std::string(row->name));
+    return fault(in_quotes(at) + " is beyond the end of " + std::string(row->name));
   if (row->item_bits == 1) address.width_bits = 1;
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
-  if (row->item_bits == 1) return kFault(in_quotes(whole) + " is a bit itself", whole);
+  if (row->item_bits == 1) return fault(in_quotes(whole) + " is a bit itself", whole);
   if (!set_bit(address, bit_number(at.substr(dot + 1)), row->item_bits))
-    return kFault("bit " + in_quotes(at.substr(dot + 1)) + " does not exist", whole + ".0");
+    return fault("bit " + in_quotes(at.substr(dot + 1)) + " does not exist", whole + ".0");
   return address;
+}
+
+ParsedOrFault parse_address(const Format& format, std::string_view at) {
+  return parse_device(reached_by(format), kFault, at);
 }
 
 }  // namespace fieldcast::mitsubishi_mc

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/protocol/mitsubishi_mc/frame.hpp"
+#include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::mitsubishi_mc {
@@ -29,7 +31,17 @@ struct Reached {
   std::vector<const DeviceRow*> rows;
   std::vector<Area> areas;
 };
+// Points of one request.
+struct AreaLimits {
+  std::uint16_t words = 0, read_bits = 0, write_bits = 0;
+};
+[[nodiscard]] Reached reached_from(std::span<const DeviceRow> rows, const AreaLimits& limits);
 [[nodiscard]] const Reached& reached_by(const Format& format);
+
+// The notation of parse_address() for the devices of `reached`.
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_device(const Reached& reached,
+                                                                     const AddressFaults& fault,
+                                                                     std::string_view at);
 
 // "D100", "D100.5", "D100.F", "W1A0" (hexadecimal), "M14", "X1F" (hexadecimal), "TN5", "CS3".
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(const Format& format,

@@ -11,6 +11,7 @@
 #include "core/protocol/mitsubishi_mc/command.hpp"
 #include "core/protocol/mitsubishi_mc_serial/codes.hpp"
 #include "core/protocol/mitsubishi_mc_serial/frame.hpp"
+#include "core/protocol/mitsubishi_mc_serial/short_command.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/received.hpp"
 
@@ -37,7 +38,7 @@ Bytes frame_with(const Request& request, const Commands& commands, const SerialF
   return frame;
 }
 
-// `Commands` is the code of the commands: Format of 3C and 4C frames.
+// `Commands`: Format of 3C and 4C frames, ShortCommands of 1C frames.
 template <class Commands>
 class SerialExchange final : public Exchange {
  public:
@@ -151,25 +152,28 @@ class SerialProtocol final : public Protocol {
   Traits traits_ = kSerialTraits;
 };
 
-constexpr std::array<std::string_view, 9> kOptions{
-    "frame", "format", "sum-check", "series", "network", "pc", "module", "unit", "own-station"};
+constexpr std::array<std::string_view, 10> kOptions{"frame",    "format",     "sum-check", "series",
+                                                    "commands", "network",    "pc",        "module",
+                                                    "unit",     "own-station"};
 
-// Refuses options whose fields the frame does not have.
+// Refuses options that the frame has no field for.
 void refuse_unused(OptionReader& reader, SerialFrame frame) {
-  const auto refuse = [&](std::string_view name, std::string_view allowed) {
-    if (reader.text_of(name) != nullptr)
-      reader.refuse(name, "the frame has no field for it", std::string(allowed));
+  const auto refuse = [&](std::initializer_list<std::string_view> names, std::string_view allowed) {
+    for (const std::string_view name : names) {
+      if (reader.text_of(name) != nullptr)
+        reader.refuse(name, "the frame has no field for it", std::string(allowed));
+    }
   };
-  if (frame != SerialFrame::k4c) {
-    refuse("module", "with frame: 4c");
-    refuse("unit", "with frame: 4c");
-  }
+  if (frame != SerialFrame::k1c) refuse({"commands"}, "with frame: 1c");
+  if (frame != SerialFrame::k4c) refuse({"module", "unit"}, "with frame: 4c");
+  if (frame == SerialFrame::k1c)
+    refuse({"series", "network", "own-station"}, "with frame: 3c or 4c");
 }
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kSerialTraits, kOptions);
   SerialFormat format;
-  format.frame = static_cast<SerialFrame>(reader.choice("frame", {"4c", "3c"}));
+  format.frame = static_cast<SerialFrame>(reader.choice("frame", {"4c", "3c", "1c"}));
   const std::size_t number = reader.choice("format", {"1", "4", "5"});
   format.line_end = number == 1;
   format.binary = number == 2;
@@ -188,7 +192,13 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
         std::tuple{"own-station", 31u, 0u, &route.own_station}})
     *field = static_cast<std::uint8_t>(reader.number(name, 0, highest, usual));
   route.module = static_cast<std::uint16_t>(reader.number("module", 0, 0x03FF, 0x03FF));
+  const auto short_commands =
+      static_cast<ShortCommands>(reader.choice("commands", {"a", "ana", "fx"}));
   if (reader.fault()) return tl::unexpected(*reader.fault());
+  if (format.frame == SerialFrame::k1c) {
+    return std::make_unique<SerialProtocol<ShortCommands>>(format, short_commands, route, 1,
+                                                           kShortCodes);
+  }
   return std::make_unique<SerialProtocol<Format>>(format, commands, route, max_random(commands),
                                                   kSerialCodes);
 }
@@ -198,10 +208,20 @@ constexpr std::string_view kAddresses[] = {
     "SD203", "SW1F",   "Z3",      "TN5",    "SN6",  "STN7", "CN5",  "M14",  "L3",
     "F4",    "V5",     "B1F",     "BA",     "X1F",  "YA0",  "SM40", "SB1F", "S3",
     "TS5",   "TC6",    "SS5",     "SC6",    "STS7", "STC8", "CS5",  "CC6",  "D9.0"};
+constexpr std::string_view kAAddresses[] = {
+    "D100", "D101.5", "D103.F", "W1A0", "WB",  "W5.3", "R5",  "TN5", "CN5", "M14",
+    "F4",   "B1F",    "BA",     "X1F",  "YA0", "TS5",  "TC6", "CS5", "CC6"};
+constexpr std::string_view kFxAddresses[] = {"D100", "D8010", "D101.5", "TN5", "CN6",
+                                             "M14",  "M8001", "S3",     "X17", "Y5",
+                                             "TS5",  "TC5",   "CS5",    "CC5"};
 constexpr ProtocolOption kFormat4[] = {{"format", "4"}};
 constexpr ProtocolOption kFormat5[] = {{"format", "5"}};
 constexpr ProtocolOption k3c[] = {{"frame", "3c"}};
 constexpr ProtocolOption k3cFormat4[] = {{"frame", "3c"}, {"format", "4"}};
+constexpr ProtocolOption k1c[] = {{"frame", "1c"}};
+constexpr ProtocolOption k1cFormat4[] = {{"frame", "1c"}, {"format", "4"}};
+constexpr ProtocolOption kAna[] = {{"frame", "1c"}, {"commands", "ana"}};
+constexpr ProtocolOption kFx[] = {{"frame", "1c"}, {"commands", "fx"}};
 constexpr ProtocolOption kWide[] = {{"series", "iqr"}};
 constexpr ProtocolAlias kAliases[] = {{"mc-serial"}, {"melsec-serial"}};
 constexpr ProtocolVariant kVariants[] = {
@@ -211,6 +231,10 @@ constexpr ProtocolVariant kVariants[] = {
     {.options = k3c, .addresses = kAddresses},
     {.options = k3cFormat4, .addresses = kAddresses},
     {.options = kWide, .addresses = kAddresses},
+    {.options = k1c, .addresses = kAAddresses},
+    {.options = k1cFormat4, .addresses = kAAddresses},
+    {.options = kAna, .addresses = kAAddresses},
+    {.options = kFx, .addresses = kFxAddresses},
 };
 
 }  // namespace
@@ -224,9 +248,11 @@ const ProtocolEntry& serial_entry() {
       .seen_request = seen_serial_request,
       .options = kOptions,
       .options_text =
-          "`frame: 3c` (4c), `format: 4`, `5` (1) and `sum-check: false` (true) as the module has "
-          "them, `series: iqr` (q), `network`, `pc`, `module`, `unit` of another PLC behind the "
-          "module, `own-station` of this computer; its `address` is the station",
+          "`frame: 3c`, `1c` (4c), `format: 4`, `5` (1) and `sum-check: false` (true) as the "
+          "module has them, `series: iqr` (q), `commands: ana`, `fx` (a) of 1C frames, `network`, "
+          "`pc`, `module`, `unit` of another PLC behind the module, `own-station` of this "
+          "computer; "
+          "its `address` is the station",
       // The module has no factory setting; this is the default of Mitsubishi's operator terminals.
       .factory_line = {19200, 8, Parity::kOdd, 1},
       .aliases = kAliases,

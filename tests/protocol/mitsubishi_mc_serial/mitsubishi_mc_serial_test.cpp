@@ -19,6 +19,8 @@ Device module_at(const Options& options = {}, std::uint16_t station = 0) {
 }
 const Options k4c4{{"format", "4"}}, k4c5{{"format", "5"}}, k3c{{"frame", "3c"}};
 const Options k3c4{{"frame", "3c"}, {"format", "4"}};
+const Options k1c{{"frame", "1c"}}, k1c4{{"frame", "1c"}, {"format", "4"}};
+const Options kAna{{"frame", "1c"}, {"commands", "ana"}}, kFx{{"frame", "1c"}, {"commands", "fx"}};
 const Options kNoSum{{"sum-check", "false"}};
 
 Bytes hex(std::string_view digits) { return from_hex(digits).value_or(Bytes{}); }
@@ -56,12 +58,13 @@ Bytes values(const Device& device, const Request& request, const Bytes& response
 }
 
 // Commands and data are the communication examples of SH-080008, 8.2 (D100 to D102 = 1995, 1202,
-// 1130). The whole frames are the vectors A.7 to A.15 of the specification mc-protocol-frame-spec
+// 1130). The whole frames are the vectors A.7 to A.19 of the specification mc-protocol-frame-spec
 // 1.0, which its author derived from SH-080008, chapter 4, with an encoder of his own.
 struct Golden {
   std::string_view name;
   Options options;
   Bytes read, data, write, done, refusal;
+  std::uint16_t code = 0x7151;
 };
 
 const std::vector<Golden>& golden_frames() {
@@ -126,7 +129,7 @@ TEST(MitsubishiMcSerial, FramesAreThoseOfTheManual) {
     EXPECT_TRUE(run(device, write, golden.done).done());
     const Outcome refused = run(device, read, golden.refusal);
     EXPECT_EQ(refused.cause, Cause::kDeviceError);
-    EXPECT_EQ(refused.code, 0x7151);
+    EXPECT_EQ(refused.code, golden.code);
   }
 }
 
@@ -135,6 +138,67 @@ TEST(MitsubishiMcSerial, WritesBitsAsTheManualShows) {
   const Device device = module_at(k3c);
   EXPECT_EQ(device.request_bytes(device.write("M100", "01 01 00 00 01 01 00 00")),
             text("<ENQ>F90000FF0014010001M*00010000081100110096"));
+}
+
+// Examples of SH-080008, chapter 18, without their wait of 100 ms: TN123, M903 = 0 1 1 0 1, D0 =
+// 1234 ACD7; and the same specification, A.16.
+TEST(MitsubishiMcSerial, ShortCommandsAreThoseOfTheManual) {
+  const Device a = module_at(k1c), ana = module_at(kAna);
+  const auto content = [](const Device& device, const Request& request) {
+    const Bytes frame = device.request_bytes(request);
+    return Bytes(frame.begin() + 5, frame.end() - 2);
+  };
+  EXPECT_EQ(content(a, a.read("TN123", 2)), text("WR0TN12302"));
+  EXPECT_EQ(content(ana, ana.read("TN123", 2)), text("QR0TN0012302"));
+  EXPECT_EQ(content(ana, ana.read("X40", 5)), text("JR0X00004005"));
+  EXPECT_EQ(content(a, a.write("M903", "00 01 01 00 01")), text("BW0M09030501101"));
+  EXPECT_EQ(content(a, a.write("D0", "1234 ACD7")), text("WW0D0000021234ACD7"));
+  EXPECT_EQ(a.request_bytes(a.read("M0", 256)), text("<ENQ>00FFBR0M0000001D"));
+  EXPECT_EQ(values(a, a.read("M100", 8), text("<STX>00FF00010011<ETX>72")),
+            (Bytes{0, 0, 0, 1, 0, 0, 1, 1}));
+}
+
+// X40 to X44 of station 5 in the AJ71C24-S6 user's manual, 8.7.2.
+TEST(MitsubishiMcSerial, ReadsBitsOfAStationAsTheComputerLinkManualShows) {
+  const Device device = module_at(kAna, 5);
+  EXPECT_EQ(values(device, device.read("X40", 5), text("<STX>05FF01101<ETX>E7")),
+            (Bytes{0, 1, 1, 0, 1}));
+}
+
+TEST(MitsubishiMcSerial, AnFxHasOctalInputs) {
+  const Device device = module_at(kFx, 5);
+  EXPECT_EQ(device.address("X40"), "X:32/1");
+  EXPECT_EQ(device.request_bytes(device.read("X40", 8)), text("<ENQ>05FFBR0X00400839"));
+  expect_texts([&](const std::string& at) { return device.suggestion(at); },
+               {"X8 -> X0", "T5 -> TN5", "d100 -> D100"});
+  EXPECT_TRUE(device.address("CN200").starts_with("fault: ")) << "a counter of 32 bits";
+  EXPECT_TRUE(device.address("W5").starts_with("fault: "));
+  EXPECT_TRUE(module_at(k1c).address("S3").starts_with("fault: "));
+}
+
+TEST(MitsubishiMcSerial, LimitsOfShortCommandsAreThoseOfTheManual) {
+  const Device device = module_at(k1c);
+  const auto allows = [&](const Request& request) {
+    return device.protocol().size(request).has_value();
+  };
+  EXPECT_TRUE(allows(device.read("D0", 64)) && allows(device.read("M0", 256)));
+  EXPECT_FALSE(allows(device.read("D0", 65)) || allows(device.read("M0", 257)));
+  EXPECT_FALSE(allows(ReadRequest{{device.range("D0"), device.range("D5")}}));
+  const auto bits = [&](std::uint32_t count) {
+    return WriteRequest{.range = device.range("M0", count), .items = Bytes(count, 1)};
+  };
+  EXPECT_TRUE(allows(bits(160)));
+  EXPECT_FALSE(allows(bits(161)));
+  EXPECT_EQ(device.protocol().traits().max_ranges, 1);
+}
+
+TEST(MitsubishiMcSerial, ShortCodesHaveTwoDigits) {
+  const Device device = module_at(k1c);
+  EXPECT_EQ(run(device, device.read("D0"), text("<NAK>00FF02")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, device.read("D0"), text("<NAK>00FF08")).cause, Cause::kDeviceBusy);
+  const Outcome disabled = run(device, device.write("D0", "0001"), text("<NAK>00FF00"));
+  EXPECT_EQ(disabled.cause, Cause::kDeviceError);
+  EXPECT_EQ(run(device, device.read("M0"), text("<STX>00FF2<ETX>21")).cause, Cause::kMalformed);
 }
 
 // The example of the sum in SH-080008, 4.3: station 5 of network 7, PC 3, module 4, its station 1.
@@ -236,6 +300,10 @@ TEST(MitsubishiMcSerial, AnInvalidOptionIsAFault) {
   EXPECT_TRUE(refused({{"frame", "3c"}, {"format", "5"}}, "format"));
   EXPECT_TRUE(refused({{"frame", "3c"}, {"module", "4"}}, "module"));
   EXPECT_TRUE(refused({{"frame", "3c"}, {"unit", "4"}}, "unit"));
+  EXPECT_TRUE(refused({{"frame", "1c"}, {"network", "4"}}, "network"));
+  EXPECT_TRUE(refused({{"frame", "1c"}, {"series", "iqr"}}, "series"));
+  EXPECT_TRUE(refused({{"frame", "1c"}, {"format", "5"}}, "format"));
+  EXPECT_TRUE(refused({{"commands", "ana"}}, "commands"));
   const auto seven = find_protocol("mitsubishi-mc-serial")
                          ->make({.options = k4c5, .line = {19200, 7, Parity::kEven, 1}});
   EXPECT_FALSE(seven.has_value());
@@ -262,9 +330,19 @@ TEST(MitsubishiMcSerial, AFrameIsExplained) {
   }
   EXPECT_NE(explain(golden_frames()[0].read).first.find("command=0401 batch read "),
             std::string::npos);
-  EXPECT_NE(explain(golden_frames()[5].read).first.find("without a sum"), std::string::npos);
+  EXPECT_NE(explain(golden_frames().back().read).first.find("without a sum"), std::string::npos);
   EXPECT_NE(explain(text("<NAK>F80000FF03FF00007F24")).first.find("7F24 wrong sum"),
             std::string::npos);
+  const auto explained = [&](std::string_view frame, std::string_view part) {
+    const auto [all, faults] = explain(text(frame));
+    EXPECT_EQ(faults, "") << frame;
+    EXPECT_NE(all.find(part), std::string::npos) << all;
+  };
+  // FX communication user's manual, 8.2; AJ71C24-S6 user's manual, 8.7.2; LJ71C24 manual, 6.4.
+  explained("<ENQ>05FFWR0X00400248", "command=WR read words wait=0 ms parameters=X004002 sum=48");
+  explained("<ENQ>05FFJRAX00004005AF", "command=JR read bits wait=100 ms");
+  explained("<ENQ>00FFTT005ABCDE78", "command=TT loopback test");
+  explained("<NAK>00FF00", "code=00 writes while the CPU runs are disabled");
   EXPECT_NE(explain(text("F80000")).second, "");
   EXPECT_NE(explain({}).second, "");
   EXPECT_NE(explain(text("<STX>F80000FF")).second, "");

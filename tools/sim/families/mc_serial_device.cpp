@@ -11,10 +11,16 @@ namespace {
 constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kDle = 0x10, kNak = 0x15;
 constexpr std::size_t kMostReceived = 8500;
 constexpr std::uint16_t kUnknownCommand = 0x7F22, kWrongEnd = 0x7F23, kWrongSum = 0x7F24;
+constexpr std::uint16_t kShortSum = 0x02, kShortEnd = 0x03, kShortArea = 0x06, kShortDigit = 0x07;
 
 std::string option(const DeviceSetup& setup, const std::string& name, std::string otherwise) {
   const auto found = setup.spec.link.options.find(name);
   return found == setup.spec.link.options.end() ? std::move(otherwise) : found->second;
+}
+
+// The code of a 1C frame for one of the other frames.
+std::uint16_t short_code(std::uint16_t code) {
+  return code == kWrongSum ? kShortSum : code == kWrongEnd ? kShortEnd : kShortArea;
 }
 
 // The code of the serial module for one of the Ethernet module.
@@ -44,11 +50,12 @@ Bytes header_of(const DeviceSetup& setup, bool binary) {
     return address_number(option(setup, name, std::to_string(otherwise))).value_or(0);
   };
   const std::string frame = option(setup, "frame", "4c");
-  const bool is_4c = frame == "4c";
-  number(is_4c ? 0xF8 : 0xF9, 1);
+  const bool is_4c = frame == "4c", is_1c = frame == "1c";
+  if (!is_1c) number(is_4c ? 0xF8 : 0xF9, 1);
   number(setup.spec.link.address, 1);
-  number(named("network", 0), 1);
+  if (!is_1c) number(named("network", 0), 1);
   number(named("pc", 255), 1);
+  if (is_1c) return header;
   if (is_4c) {
     number(named("module", 1023), 2);
     number(named("unit", 0), 1);
@@ -56,6 +63,22 @@ Bytes header_of(const DeviceSetup& setup, bool binary) {
   number(named("own-station", 0), 1);
   return header;
 }
+
+// The request of a 1C frame: command(2) wait(1) device(5, of J and Q 7) points(2) data
+struct ShortRequest {
+  explicit ShortRequest(ByteView content)
+      : command(content.begin(), content.begin() + 2),
+        bits(command[0] == 'B' || command[0] == 'J'),
+        write(command[1] == 'W'),
+        fixed(command[0] == 'J' || command[0] == 'Q' ? 12 : 10) {}
+  [[nodiscard]] bool known() const {
+    return std::string_view("BWJQ").find(command[0]) != std::string_view::npos &&
+           (write || command[1] == 'R');
+  }
+  const std::string command;
+  const bool bits, write;
+  const std::size_t fixed;  // characters up to the points, inclusive
+};
 
 // The bytes between 10 02 and 10 03; empty before 10 03.
 std::optional<Bytes> between_marks(ByteView bytes, std::size_t& end) {
@@ -109,12 +132,23 @@ McSerialDevice::McSerialDevice(const DeviceSetup& setup)
       binary_(!ascii_),
       line_end_(option(setup, "format", "1") == "4"),
       sum_check_(option(setup, "sum-check", "true") == "true"),
+      short_(option(setup, "frame", "4c") == "1c"),
+      octal_(option(setup, "commands", "a") == "fx"),
       header_(header_of(setup, binary_)) {}
 
 std::unique_ptr<Receiver> McSerialDevice::open_receiver() { return std::make_unique<Line>(*this); }
 
-std::optional<std::size_t> McSerialDevice::length_of(ByteView content) {
+std::optional<std::size_t> McSerialDevice::length_of(ByteView content) const {
   if (content.size() < 8) return std::nullopt;
+  if (short_) {
+    const ShortRequest request(content);
+    if (!request.known()) return 0;
+    if (content.size() < request.fixed) return std::nullopt;
+    const auto points = number_in(content.subspan(request.fixed - 2, 2));
+    if (!points) return 0;
+    const std::size_t each = !request.write ? 0 : request.bits ? 1 : 4;
+    return request.fixed + (*points == 0 ? 256 : *points) * each;
+  }
   const auto command = number_in(content.first(4)), subcommand = number_in(content.subspan(4, 4));
   if (!command || !subcommand || *subcommand > 3) return 0;
   const std::size_t device = *subcommand < 2 ? 8 : 12;
@@ -148,7 +182,7 @@ bool McSerialDevice::take_ascii(ByteView text, Instant now, Reaction& reaction) 
   else if (line_end_ && (marks[0] != '\r' || marks[1] != '\n'))
     respond({kWrongEnd, {}}, reaction);
   else
-    respond(run(text.subspan(header_.size(), *length), now), reaction);
+    respond(execute(text.subspan(header_.size(), *length), now), reaction);
   return true;
 }
 
@@ -171,10 +205,71 @@ bool McSerialDevice::take_binary(ByteView bytes, Instant now, Reaction& reaction
   return true;
 }
 
+McDevice::Result McSerialDevice::execute(ByteView content, Instant now) {
+  return short_ ? run_short(content, now) : run(content, now);
+}
+
+McDevice::Result McSerialDevice::run_short(ByteView content, Instant now) {
+  const ShortRequest request(content);
+  ++statistics_.requests[request.command];
+  const ByteView device = content.subspan(3, request.fixed - 5);
+  const std::size_t letters = device[1] > '9' && device[0] != 'W' && device[0] != 'B' ? 2 : 1;
+  const std::string name(device.begin(), device.begin() + static_cast<std::ptrdiff_t>(letters));
+  Bytes digits(device.begin() + static_cast<std::ptrdiff_t>(letters), device.end());
+  if (octal_ && (name == "X" || name == "Y")) {
+    const auto number = number_in(digits, 8);
+    digits.clear();
+    if (number) append_hex(digits, *number, 4);
+  }
+  const auto place = place_at(name, digits);
+  const auto points = number_in(content.subspan(request.fixed - 2, 2));
+  if (!place || !points) return {kShortArea, {}};
+  const auto count = static_cast<std::uint32_t>(*points == 0 ? 256 : *points);
+  const std::uint32_t most = !request.bits ? 64 : request.write ? 160 : 256;
+  if (count > most) return {kShortArea, {}};
+  const std::uint16_t refused =
+      request.bits ? refusal_of_bits(*place, count) : refusal_of_words(*place, count);
+  if (refused != 0) return {kShortArea, {}};
+  return request.write ? write_short(*place, request.bits, count, content.subspan(request.fixed))
+                       : read_short(*place, request.bits, count, now);
+}
+
+McDevice::Result McSerialDevice::read_short(const Place& place, bool bits, std::uint32_t points,
+                                            Instant now) const {
+  Result result;
+  for (std::uint32_t i = 0; i < points; ++i) {
+    if (bits)
+      append_hex(result.data, memory_.read(place.area, place.number + i, now), 1);
+    else
+      append_hex(result.data, word(place, i, now), 4);
+  }
+  return result;
+}
+
+McDevice::Result McSerialDevice::write_short(const Place& place, bool bits, std::uint32_t points,
+                                             ByteView data) {
+  std::vector<std::uint32_t> values;
+  const std::size_t each = bits ? 1 : 4;
+  for (std::uint32_t i = 0; i < points; ++i) {
+    const auto value = number_in(data.subspan(i * each, each), bits ? 2 : 16);
+    if (!value) return {kShortDigit, {}};
+    values.push_back(static_cast<std::uint32_t>(*value));
+  }
+  for (std::uint32_t i = 0; i < points; ++i) {
+    if (bits)
+      memory_.write(place.area, place.number + i, values[i], statistics_);
+    else
+      store_word(place, i, values[i]);
+  }
+  ++statistics_.write_requests;
+  return {};
+}
+
 void McSerialDevice::respond(const Result& result, Reaction& reaction) {
   ++statistics_.responses;
-  const Result own{module_code(result.end), result.end == 0 ? result.data : Bytes{}};
+  Result own{module_code(result.end), result.end == 0 ? result.data : Bytes{}};
   if (own.end == kWrongSum || own.end == kWrongEnd) ++statistics_.bad_frames;
+  if (short_ && own.end > 0xFF) own.end = short_code(own.end);
   if (own.end != 0) ++statistics_.exceptions[own.end];
   if (binary_)
     respond_binary(own, reaction.response);
@@ -185,7 +280,7 @@ void McSerialDevice::respond(const Result& result, Reaction& reaction) {
 void McSerialDevice::respond_ascii(const Result& result, Bytes& out) const {
   out.push_back(result.end != 0 ? kNak : result.data.empty() ? kAck : kStx);
   append(out, header_);
-  if (result.end != 0) append_hex(out, result.end, 4);
+  if (result.end != 0) append_hex(out, result.end, short_ ? 2 : 4);
   append(out, result.data);
   if (!result.data.empty()) {
     out.push_back(kEtx);
@@ -215,7 +310,17 @@ void McSerialDevice::respond_binary(const Result& result, Bytes& out) const {
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_mc_serial_device(
     const DeviceSetup& setup) {
-  return make_memory_device<McSerialDevice>(setup, 31, parse_mc_address, "station");
+  const bool octal = option(setup, "commands", "a") == "fx";
+  const auto parse = [octal](std::string_view at) {
+    auto address = parse_mc_address(at);
+    if (address && octal && (at.starts_with('X') || at.starts_with('Y'))) {
+      const auto number = number_in(at.substr(1), 8);
+      if (!number) return std::optional<ItemAddress>{};
+      address->first = static_cast<std::uint32_t>(*number);
+    }
+    return address;
+  };
+  return make_memory_device<McSerialDevice>(setup, 31, parse, "station");
 }
 
 }  // namespace fieldcast::sim

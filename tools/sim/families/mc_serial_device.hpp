@@ -5,6 +5,9 @@
 //     05 header content sum  ->  02 header data 03 sum, 06 header, or 15 header code
 //     10 02 count header content 10 03 sum  ->  10 02 count header FF FF code data 10 03 sum
 //
+// 1C frames carry BR, WR, BW, WW, JR, QR, JW and QW; an FX has octal numbers of X and Y. A refused
+// range has the code 06 there, whatever its configuration says.
+//
 // The module finds the end of a request without CR LF by the length that its command needs. A
 // silence of 100 ms ends a partial frame.
 #pragma once
@@ -31,12 +34,19 @@ class McSerialDevice : public McDevice {
 
   // Characters of a request in ASCII code from its command on. Empty: not known yet; 0: the command
   // does not exist.
-  [[nodiscard]] static std::optional<std::size_t> length_of(ByteView content);
+  [[nodiscard]] std::optional<std::size_t> length_of(ByteView content) const;
+  [[nodiscard]] Result execute(ByteView content, Instant now);
+  // Of a 1C frame.
+  [[nodiscard]] Result run_short(ByteView content, Instant now);
+  [[nodiscard]] Result read_short(const Place& place, bool bits, std::uint32_t points,
+                                  Instant now) const;
+  [[nodiscard]] Result write_short(const Place& place, bool bits, std::uint32_t points,
+                                   ByteView data);
   void respond(const Result& result, Reaction& reaction);
   void respond_ascii(const Result& result, Bytes& out) const;
   void respond_binary(const Result& result, Bytes& out) const;
 
-  const bool binary_, line_end_, sum_check_;
+  const bool binary_, line_end_, sum_check_, short_, octal_;
   Bytes header_;
 };
 
