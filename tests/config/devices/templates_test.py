@@ -31,7 +31,7 @@ class Template:
         with open(path, encoding="utf-8") as file:
             self.text = file.read()
         self.ours = "Our own map" in self.text  # an example to copy, not a real device
-        self.of_mitsubishi = re.search(r"^protocols: \[mitsubishi-mc\]$", self.text, re.MULTILINE) is not None
+        self.of_mitsubishi = re.search(r"^protocols: \[mitsubishi-mc, mitsubishi-mc-serial\]$", self.text, re.MULTILINE) is not None
         entries = re.split(r"^  - ", self.text.partition("\nchannels:\n")[2], flags=re.MULTILINE)[1:]
         self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
 
@@ -120,9 +120,9 @@ class Examples(unittest.TestCase):
 
 class Loading(InAFolder):
     def test_every_template_passes_the_check_on_each_of_its_protocols(self):
-        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp", "mitsubishi-mc"]:
+        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp", "mitsubishi-mc", "mitsubishi-mc-serial"]:
             names = {template.name: len(template.channels) for template in templates()
-                     if template.of_mitsubishi == (protocol == "mitsubishi-mc")}
+                     if template.of_mitsubishi == protocol.startswith("mitsubishi-mc")}
             self.assertTrue(names, protocol)
             text = "bridge: templates\nbuses:\n"
             for number, name in enumerate(names):
