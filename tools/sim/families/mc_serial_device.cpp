@@ -108,6 +108,11 @@ class McSerialDevice::Line : public GapReceiver {
                            : device_.take_ascii(ByteView(received_).subspan(1), end, reaction);
     if (whole || received_.size() > kMostReceived) received_.clear();
   }
+  void on_silence(Instant, Reaction& reaction) override {
+    if (!device_.binary_ && !received_.empty())
+      device_.refuse_unknown(ByteView(received_).subspan(1), reaction);
+    ready(false);
+  }
 
  private:
   // Both return false if the character is not part of a request.
@@ -168,11 +173,7 @@ bool McSerialDevice::take_ascii(ByteView text, Instant now, Reaction& reaction) 
   if (text.size() < header_.size()) return false;
   if (!std::ranges::equal(text.first(header_.size()), header_)) return true;
   const auto length = length_of(text.subspan(header_.size()));
-  if (!length) return false;
-  if (*length == 0) {
-    respond({kUnknownCommand, {}}, reaction);
-    return true;
-  }
+  if (!length || *length == 0) return false;
   const std::size_t summed = header_.size() + *length;
   const std::size_t sum = sum_check_ ? 2 : 0, end = line_end_ ? 2 : 0;
   if (text.size() < summed + sum + end) return false;
@@ -184,6 +185,11 @@ bool McSerialDevice::take_ascii(ByteView text, Instant now, Reaction& reaction) 
   else
     respond(execute(text.subspan(header_.size(), *length), now), reaction);
   return true;
+}
+
+void McSerialDevice::refuse_unknown(ByteView text, Reaction& reaction) {
+  if (text.size() >= header_.size() && length_of(text.subspan(header_.size())) == 0)
+    respond({kUnknownCommand, {}}, reaction);
 }
 
 bool McSerialDevice::take_binary(ByteView bytes, Instant now, Reaction& reaction) {

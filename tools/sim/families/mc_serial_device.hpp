@@ -9,7 +9,7 @@
 // range has the code 06 there, whatever its configuration says.
 //
 // The module finds the end of a request without CR LF by the length that its command needs. A
-// silence of 100 ms ends a partial frame.
+// silence of 100 ms ends a partial frame; an unknown command is refused then.
 #pragma once
 
 #include <memory>
@@ -30,6 +30,7 @@ class McSerialDevice : public McDevice {
 
   // Returns true if the request is whole, or is for another station.
   bool take_ascii(ByteView text, Instant now, Reaction& reaction);
+  void refuse_unknown(ByteView text, Reaction& reaction);
   bool take_binary(ByteView bytes, Instant now, Reaction& reaction);
 
   // Characters of a request in ASCII code from its command on. Empty: not known yet; 0: the command
