@@ -115,7 +115,7 @@ void read_binary(SerialResponse& response, ByteView text, const SerialFormat& fo
 }
 
 SerialResponse first_binary(ByteView all, const SerialFormat& format) {
-  const auto start = std::ranges::search(all, kBinaryBegin).begin();
+  const auto start = std::search(all.begin(), all.end(), kBinaryBegin.begin(), kBinaryBegin.end());
   if (start == all.end()) return {};
   const auto at = static_cast<std::size_t>(start - all.begin());
   const ByteView bytes = all.subspan(at);

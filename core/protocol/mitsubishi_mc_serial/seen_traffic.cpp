@@ -80,10 +80,10 @@ SeenRequest seen_binary(ByteView bytes) {
 
 SerialFrame frame_of(ByteView text, bool binary) {
   if (binary) return SerialFrame::k4c;
-  const auto begins = [&](std::string_view identifier) {
-    return text.size() >= 2 && text[0] == identifier[0] && text[1] == identifier[1];
-  };
-  return begins("F8") ? SerialFrame::k4c : begins("F9") ? SerialFrame::k3c : SerialFrame::k1c;
+  const auto identifier = number_at(text, 0, 2);
+  return identifier == 0xF8   ? SerialFrame::k4c
+         : identifier == 0xF9 ? SerialFrame::k3c
+                              : SerialFrame::k1c;
 }
 
 std::optional<std::size_t> content_size(ByteView content, SerialFrame frame) {

@@ -13,9 +13,10 @@ constexpr std::size_t kMostReceived = 8500;
 constexpr std::uint16_t kUnknownCommand = 0x7F22, kWrongEnd = 0x7F23, kWrongSum = 0x7F24;
 constexpr std::uint16_t kShortSum = 0x02, kShortEnd = 0x03, kShortArea = 0x06, kShortDigit = 0x07;
 
-std::string option(const DeviceSetup& setup, const std::string& name, std::string otherwise) {
+std::string option(const DeviceSetup& setup, const std::string& name,
+                   const std::string& otherwise) {
   const auto found = setup.spec.link.options.find(name);
-  return found == setup.spec.link.options.end() ? std::move(otherwise) : found->second;
+  return found == setup.spec.link.options.end() ? otherwise : found->second;
 }
 
 // The code of a 1C frame for one of the other frames.
