@@ -283,6 +283,10 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
     (void)parts_.fence.sending(out, parts_.wire().driver().sent_until());
     return sink.push(Send{std::move(out)});
   }
+  if (!out.empty()) {
+    (void)parts_.fence.sending(out, parts_.wire().driver().confirmed_until());
+    sink.push(Send{std::move(out)});
+  }
   if (parts_.fence.ended(got_response(outcome, parts_.wire().driver().cause()),
                          parts_.wire().driver().received(), now))
     let_go(now, sink);

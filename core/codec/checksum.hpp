@@ -30,11 +30,10 @@ inline constexpr Crc16Tables kCrc16Tables{};
 
 }  // namespace detail
 
-// CRC-16/MODBUS: polynomial 8005h reflected, start FFFFh; sent low byte first. "123456789" gives
-// 4B37h (Modbus over Serial Line V1.02, 6.2.2).
-[[nodiscard]] constexpr std::uint16_t crc16_modbus(ByteView bytes) {
+// CRC-16/ARC: polynomial 8005h reflected, start 0; sent low byte first (DF1, 1770-6.5.16, 5-6).
+[[nodiscard]] constexpr std::uint16_t crc16_arc(ByteView bytes, unsigned start = 0) {
   const auto& tables = detail::kCrc16Tables.of;
-  unsigned crc = 0xFFFF;
+  unsigned crc = start;
   std::size_t i = 0;
   for (; i + 1 < bytes.size(); i += 2) {
     crc ^= static_cast<unsigned>(bytes[i] | bytes[i + 1] << 8);
@@ -42,6 +41,12 @@ inline constexpr Crc16Tables kCrc16Tables{};
   }
   if (i < bytes.size()) crc = crc >> 8 ^ tables[0][(crc ^ bytes[i]) & 0xFF];
   return static_cast<std::uint16_t>(crc);
+}
+
+// CRC-16/MODBUS: the same with start FFFFh. "123456789" gives 4B37h (Modbus over Serial Line V1.02,
+// 6.2.2).
+[[nodiscard]] constexpr std::uint16_t crc16_modbus(ByteView bytes) {
+  return crc16_arc(bytes, 0xFFFF);
 }
 
 // Appends the CRC of the bytes from `start` on, low byte first.

@@ -169,7 +169,8 @@ class Exchange {
   [[nodiscard]] virtual Step start(Bytes& out) = 0;
   // `all`: every byte since the last send, untrusted. Foreign frames are skipped and the wait
   // continues. After a broken frame the exchange waits (kRestOfFrame) for a valid one. Consumes no
-  // bytes: it may be called with any growing prefix.
+  // bytes: it may be called with any growing prefix. With kDone and kFailed, `out` may contain a
+  // confirmation, which has no response.
   [[nodiscard]] virtual Step on_bytes(ByteView all, Bytes& out) = 0;
   // The wait expired. Returns kFailed, another send, or kDone if only noise delayed the response.
   [[nodiscard]] virtual Step on_silence(Bytes& out) = 0;

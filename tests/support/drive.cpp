@@ -51,6 +51,7 @@ class Driver {
         outcome_.kind = step.kind;
         outcome_.cause = step.cause;
         outcome_.code = step.device_code;
+        outcome_.confirmation = out;
         ended_ = true;
     }
   }

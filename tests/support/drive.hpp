@@ -17,6 +17,7 @@ struct Outcome {
   std::size_t used = 0;  // bytes received when it ended
   bool waited = false;   // ended by silence
   std::vector<Bytes> sent;
+  Bytes confirmation;  // sent behind the response
   [[nodiscard]] bool done() const { return kind == Step::Kind::kDone; }
 };
 

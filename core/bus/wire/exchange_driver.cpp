@@ -107,6 +107,8 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
     case Step::Kind::kFailed: break;
   }
   const bool done = step.kind == Step::Kind::kDone;
+  bytes_sent_ += out.size();
+  confirmed_until_ = now + line_.characters(static_cast<double>(out.size()));
   cause_ = step.cause;
   device_code_ = step.device_code;
   deadline_ = kNever;

@@ -29,7 +29,8 @@ class ExchangeDriver {
   void begin(std::unique_ptr<Exchange> exchange, Duration timeout, bool echo_is_distinct,
              Instant now, Bytes& out);
 
-  // With kSend, `out` is the next request. After kDone or kFailed see exchange() and cause().
+  // With kSend, `out` is the next request; with kDone and kFailed it is a confirmation to send,
+  // usually empty. After these two see exchange() and cause().
   Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
   // The same for a whole frame on a connection with several requests in flight. kWaiting: it
   // belongs to another request, and wait_on() must follow.
@@ -55,6 +56,8 @@ class ExchangeDriver {
   [[nodiscard]] unsigned requests() const { return requests_; }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
+  // The same for the confirmation behind the response.
+  [[nodiscard]] Instant confirmed_until() const { return std::max(sent_until_, confirmed_until_); }
   [[nodiscard]] Instant responded() const { return last_byte_; }
   // `raw_received` may contain an echo. Valid until the next begin().
   [[nodiscard]] ByteView sent() const { return sent_; }
@@ -96,7 +99,7 @@ class ExchangeDriver {
   unsigned requests_ = 0;
   Bytes sent_;
   Bytes received_;  // since the last send, without the echo
-  Instant sent_until_{};
+  Instant sent_until_{}, confirmed_until_ = kLongAgo;
   Instant response_deadline_{};  // for the first byte of the response
   Instant hard_deadline_{};      // for its last byte, even while other bytes arrive
   Instant deadline_ = kNever;

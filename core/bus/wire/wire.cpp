@@ -86,7 +86,7 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   ended.responded = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
-  free_at_ = std::max(now, driver_.sent_until()) + setup_.silence();
+  free_at_ = std::max(now, driver_.confirmed_until()) + setup_.silence();
   spent_ = free_at_ - flight_->started;
   ended.spent = spent_ - flight_->idle;
   if (ended.cause == Cause::kNoResponse || ended.cause == Cause::kTruncated)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/protocol/allen_bradley_df1/allen_bradley_df1.hpp"
 #include "core/protocol/dtc/dtc.hpp"
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 #include "core/protocol/mitsubishi_mc/mitsubishi_mc.hpp"
@@ -20,6 +21,7 @@ std::span<const ProtocolEntry> protocols() {
   // A new family adds its rows here.
   // clang-format off
   static const std::array entries{
+      df1::entry(),
       dtc::entry(),
       mitsubishi_fx::entry(),
       mitsubishi_mc::entry(),

@@ -103,7 +103,7 @@ struct LineExchange::State final : PortListener {
     if (!driver || !driver->active()) return;
     Bytes out;
     outcome = driver->on_bytes(bytes, arrival, out);
-    if (outcome == ExchangeDriver::Outcome::kSend) again = std::move(out);
+    again = std::move(out);
   }
   void on_closed(std::string reason, Cause) override { closed = std::move(reason); }
 
@@ -226,13 +226,12 @@ tl::expected<LineExchange::Response, std::string> LineExchange::ask(
       if (state.outcome == ExchangeDriver::Outcome::kWaiting &&
           steady_now() >= state.driver->deadline()) {
         state.outcome = state.driver->on_timer(steady_now(), out);
-        if (state.outcome == ExchangeDriver::Outcome::kSend) state.again = out;
+        state.again = out;
       }
     }
-    if (state.outcome == ExchangeDriver::Outcome::kSend) {
+    if (!state.again.empty()) state.write(std::exchange(state.again, {}), note);
+    if (state.outcome == ExchangeDriver::Outcome::kSend)
       state.outcome = ExchangeDriver::Outcome::kWaiting;
-      state.write(std::exchange(state.again, {}), note);
-    }
     if (state.outcome != ExchangeDriver::Outcome::kWaiting) break;
   }
   if (state.closed || state.interrupt.raised()) {

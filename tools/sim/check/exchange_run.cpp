@@ -188,6 +188,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
     }
     if (how == ExchangeDriver::Outcome::kSend) send();
   }
+  if (ended(how) && !out.empty()) line_->receive(out, now_);  // a confirmation
   now_ += 200ms;  // the line becomes idle, as between two requests
   Bytes late;
   line_->advance(now_, late);

@@ -3,6 +3,7 @@
 
 #include "tools/sim/device/declared_device.hpp"
 #include "tools/sim/device/device.hpp"
+#include "tools/sim/families/df1_device.hpp"
 #include "tools/sim/families/dtc_device.hpp"
 #include "tools/sim/families/fins_tcp_device.hpp"
 #include "tools/sim/families/fins_unit.hpp"
@@ -23,6 +24,7 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"modbus-rtu", kModbusAreaNames, true, &make_modbus_rtu_device},
       DeviceKind{"modbus-ascii", kModbusAreaNames, true, &make_modbus_ascii_device},
       DeviceKind{"modbus-tcp", kModbusAreaNames, false, &make_modbus_tcp_device},
+      DeviceKind{"allen-bradley-df1", kDf1AreaNames, false, &make_df1_device},
       DeviceKind{"dtc", kDtcAreaNames, true, &make_dtc_device},
       DeviceKind{"mitsubishi-fx", kFxAreaNames, true, &make_fx_device},
       DeviceKind{"mitsubishi-mc", kMcAreaNames, false, &make_mc_device},

@@ -1,0 +1,297 @@
+// Full duplex, one PLC on the line:                  Half duplex, the bridge is the master:
+//
+//     bridge  10 02 command 10 03 check                  10 01 STN 10 02 command 10 03 check
+//     PLC     10 06                                      10 06
+//     bridge                                             10 05 STN BCC      poll
+//     PLC     10 02 response 10 03 check                 10 04 not ready, or the response
+//     bridge  10 06                                      10 06
+//
+// A packet that the bridge does not acknowledge keeps the PLC from sending the next one. So the
+// bridge acknowledges every valid packet, also a late response and a command of the PLC, and with
+// full duplex it requests a damaged packet again with a NAK. This waits for a gap, since each send
+// discards the received bytes.
+#include "core/protocol/allen_bradley_df1/allen_bradley_df1.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/protocol/allen_bradley_df1/command.hpp"
+#include "core/protocol/allen_bradley_df1/frame.hpp"
+#include "core/protocol/option_reader.hpp"
+#include "core/protocol/received.hpp"
+
+namespace fieldcast::df1 {
+namespace {
+
+constexpr std::size_t kMaxReceived = 2400;  // four of the largest responses
+constexpr unsigned kMaxRepairs = 4, kMaxPolls = 50;
+
+constexpr Traits kTraits{
+    .name = "allen-bradley-df1",
+    .summary = "Allen-Bradley SLC 500 and MicroLogix on RS-232 and RS-485 (DF1)",
+    .lowest_address = 0,
+    .highest_address = 254,
+    .identity = ResponseIdentity::kSequence,
+    .codes = kCodes};
+
+struct Link {
+  Nodes nodes;
+  Check check = Check::kCrc;
+  bool half_duplex = false;
+  Duration poll_delay{};
+};
+
+class Df1Exchange final : public Exchange {
+ public:
+  Df1Exchange(const Link& link, Request request, std::uint16_t tns)
+      : link_(link), request_(std::move(request)), tns_(tns) {}
+
+  Step start(Bytes& out) override {
+    append_packet(out, command_of(request_, link_.nodes, tns_), link_.check,
+                  link_.half_duplex ? std::optional(link_.nodes.plc) : std::nullopt);
+    return Step::send(link_.half_duplex ? 2 : expected());
+  }
+
+  Step on_bytes(ByteView all, Bytes& out) override {
+    if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+    next_ = Next::kNothing;
+    Step step = Step::need_response();
+    std::size_t quiet_until = 0;  // no symbols within a packet that is open or damaged
+    for (std::size_t at = 0; at < all.size();) {
+      Symbol symbol = parse_symbol(all.subspan(at), link_.check);
+      switch (symbol.kind) {
+        case Symbol::Kind::kPacket: {
+          const Step judged = take(symbol.packet, out);
+          if (judged.kind != Step::Kind::kNeedMore) return judged;
+          step = judged;
+          at += symbol.size;
+          continue;
+        }
+        case Symbol::Kind::kOpen:
+        case Symbol::Kind::kBroken:
+          if (at < quiet_until) break;
+          quiet_until = at + symbol.size;
+          step = damaged(symbol);
+          break;
+        case Symbol::Kind::kNoise:
+          if (at >= quiet_until && !is_turnaround(all[at])) note(Cause::kMalformed);
+          break;
+        case Symbol::Kind::kControl:
+          if (at < quiet_until) break;
+          step = take(symbol.control, step);
+          at += symbol.size;
+          continue;
+      }
+      ++at;
+    }
+    return next_ == Next::kFirstPoll ? poll(out) : step;
+  }
+
+  Step on_silence(Bytes& out) override {
+    const Next next = std::exchange(next_, Next::kNothing);
+    if (next == Next::kPoll || next == Next::kAcknowledgeAndPoll) {
+      if (next == Next::kAcknowledgeAndPoll) append_symbol(out, kAck);
+      return poll(out);
+    }
+    if (next == Next::kNothing || repairs_++ == kMaxRepairs) return Step::failed(cause_);
+    if (next == Next::kRepeat) return start(out);
+    append_symbol(out, next == Next::kAcknowledge ? kAck : kNak);
+    return Step::send(expected());
+  }
+
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  // What to send after a gap.
+  enum class Next : std::uint8_t {
+    kNothing,
+    kRepeat,       // the command
+    kAcknowledge,  // a packet that is not the response
+    kRefuse,       // a damaged packet
+    kFirstPoll,    // immediately
+    kPoll,
+    kAcknowledgeAndPoll,
+  };
+
+  std::size_t expected() const { return 2 + response_size(request_) + 4 + size_of(link_.check); }
+  // Keeps the first finding; noise is the least.
+  void note(Cause cause) {
+    if (cause_ == Cause::kNoResponse || cause_ == Cause::kMalformed) cause_ = cause;
+  }
+
+  Step poll(Bytes& out) {
+    if (polls_++ == kMaxPolls) return Step::failed(Cause::kDeviceBusy);
+    append_poll(out, link_.nodes.plc);
+    return Step::send(expected());
+  }
+
+  Step take(std::uint8_t control, const Step& before) {
+    if (control == kNak && !acknowledged_) {
+      note(Cause::kChecksum);
+      next_ = Next::kRepeat;
+      return Step::need_rest(0);
+    }
+    if (control == kAck) {
+      if (link_.half_duplex && !acknowledged_) next_ = Next::kFirstPoll;
+      acknowledged_ = true;
+    }
+    if (control == kEnq && !link_.half_duplex) {
+      next_ = Next::kRefuse;
+      return Step::need_rest(0);
+    }
+    if (control != kEot || !link_.half_duplex || !acknowledged_) return before;
+    next_ = Next::kPoll;
+    return Step::pause_for(link_.poll_delay);
+  }
+
+  Step damaged(const Symbol& symbol) {
+    const bool open = symbol.kind == Symbol::Kind::kOpen;
+    note(open ? Cause::kTruncated : Cause::kChecksum);
+    next_ = !link_.half_duplex ? Next::kRefuse : acknowledged_ ? Next::kPoll : Next::kNothing;
+    return Step::need_rest(symbol.missing);
+  }
+
+  Step take(ByteView packet, Bytes& out) {
+    Judgement judgement = judge(packet, request_, link_.nodes, tns_);
+    switch (judgement.kind) {
+      case Judgement::Kind::kResponse:
+        append_symbol(out, kAck);
+        reply_ = std::move(judgement.reply);
+        return Step::done();
+      case Judgement::Kind::kRefused:
+        append_symbol(out, kAck);
+        return Step::failed(device_code_cause(kCodes, judgement.code), judgement.code);
+      case Judgement::Kind::kMalformed: cause_ = Cause::kMalformed; break;
+      case Judgement::Kind::kForeign: note(Cause::kForeign); break;
+    }
+    next_ = !link_.half_duplex ? Next::kAcknowledge
+            : acknowledged_    ? Next::kAcknowledgeAndPoll
+                               : Next::kNothing;
+    return Step::need_rest(0);
+  }
+
+  const Link link_;
+  const Request request_;
+  const std::uint16_t tns_;
+  bool acknowledged_ = false;
+  Next next_ = Next::kNothing;
+  unsigned polls_ = 0, repairs_ = 0;
+  Cause cause_ = Cause::kNoResponse;
+  Reply reply_;
+};
+
+class Df1Protocol final : public Protocol {
+ public:
+  Df1Protocol(const Link& link, std::uint32_t bytes) : link_(link), areas_(areas_of(bytes)) {}
+  const Traits& traits() const override { return kTraits; }
+  std::span<const Area> areas() const override { return areas_; }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return parse_with_suggestion(at,
+                                 [](std::string_view text) { return df1::parse_address(text); });
+  }
+
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    const auto* read = std::get_if<ReadRequest>(&request);
+    const auto* write = std::get_if<WriteRequest>(&request);
+    if (read != nullptr ? read->ranges.size() != 1 || !fits(read->ranges[0], false)
+                        : write == nullptr || !fits(*write))
+      return std::nullopt;
+    const Range& range = read != nullptr ? read->ranges[0] : write->range;
+    const FileRow& row = file_rows()[range.area];
+    const Place place = place_of(row, range, write != nullptr);
+    const auto number = [](std::uint32_t value) { return value < 0xFF ? 1u : 3u; };
+    std::size_t data = kHead + 3 + number(place.file) + number(place.element) + number(place.sub);
+    if (write != nullptr) data += write->items.size() + (write->bit ? 2 : 0);
+    // Each byte 10 of the command is doubled, those of the response are not known.
+    const std::size_t command = data + doubled(place, write) + 4 + size_of(link_.check);
+    const std::size_t response = 2 + response_size(request) + 4 + size_of(link_.check);
+    if (!link_.half_duplex) return ExchangeSize::of(command + 2, response);
+    const std::size_t station = link_.nodes.plc == kDle ? 2 : 1;
+    return ExchangeSize::of(command + 2 + station + 3 + station + 2, response, 2);
+  }
+
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+    return std::make_unique<Df1Exchange>(link_, std::move(request), context.sequence);
+  }
+
+ private:
+  bool fits(const Range& range, bool write) const {
+    return fieldcast::fits(areas_, range, write) &&
+           in_one_bank(areas_[range.area], range.first, range.end()) &&
+           place_of(file_rows()[range.area], range, write).bytes <= kMaxRead;
+  }
+  bool fits(const WriteRequest& write) const {
+    if (!fits(write.range, true) || write.bits != 1) return false;
+    const unsigned item_bits = areas_[write.range.area].item_bits;
+    if (write.bit && (write.range.count != 1 || *write.bit >= 16 || item_bits != 16)) return false;
+    return write.items.size() == image_bytes(item_bits, write.range.count);
+  }
+  // Bytes 10 of the command; both of TNS may be.
+  std::size_t doubled(const Place& place, const WriteRequest* write) const {
+    std::size_t count = 2;
+    const auto add = [&](std::uint32_t number) {
+      count += ((number & 0xFF) == kDle ? 1u : 0u) + (number >> 8 == kDle ? 1u : 0u);
+    };
+    for (const std::uint32_t number :
+         {std::uint32_t{link_.nodes.plc}, std::uint32_t{link_.nodes.source}, place.bytes,
+          place.file, place.element, place.sub})
+      add(number);
+    if (write == nullptr) return count;
+    if (write->bit) add(1u << *write->bit);
+    return count + static_cast<std::size_t>(std::ranges::count(write->items, kDle));
+  }
+
+  const Link link_;
+  const std::vector<Area> areas_;
+};
+
+constexpr std::array<std::string_view, 5> kOptions{"check", "duplex", "max-bytes", "poll-delay-ms",
+                                                   "source"};
+
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
+  OptionReader reader(link, kTraits, kOptions);
+  Link df1{.nodes = {.plc = static_cast<std::uint8_t>(link.address)}};
+  df1.check = reader.choice("check", {"crc", "bcc"}) == 0 ? Check::kCrc : Check::kBcc;
+  df1.half_duplex = reader.choice("duplex", {"full", "half"}) == 1;
+  df1.nodes.source = static_cast<std::uint8_t>(reader.number("source", 0, 254, 0));
+  df1.poll_delay = std::chrono::milliseconds{reader.number("poll-delay-ms", 0, 1000, 10)};
+  const std::uint32_t bytes = reader.number("max-bytes", 6, kMaxRead, kMaxRead);
+  if (reader.fault()) return tl::unexpected(*reader.fault());
+  return std::make_unique<Df1Protocol>(df1, bytes);
+}
+
+constexpr std::string_view kAddresses[] = {
+    "N7:0",       "N7:1/3",   "N10:5",   "N255:999", "B3:0/5",   "B3/21",   "B3:2",
+    "F8:3",       "L9:0",     "L9:1/17", "T4:0.ACC", "T4:1.PRE", "T4:0/DN", "T4:2/EN",
+    "T4:3.ACC/1", "C5:0.ACC", "C5:1/CU", "R6:0.LEN", "R6:0.POS", "R6:1/DN", "S:1",
+    "S:1/15",     "S2:4",     "O:0.0",   "O:0/3",    "I:1.0/3",  "I:1.2",   "I:2/17"};
+constexpr ProtocolOption kBccOption[] = {{"check", "bcc"}};
+constexpr ProtocolOption kHalfOption[] = {{"duplex", "half"}};
+constexpr ProtocolOption kHalfBccOptions[] = {{"check", "bcc"}, {"duplex", "half"}};
+constexpr ProtocolAlias kAliases[] = {{"df1"}, {"slc-500"}, {"micrologix"}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = kAddresses},
+                                         {.options = kBccOption, .addresses = kAddresses},
+                                         {.options = kHalfOption, .addresses = kAddresses},
+                                         {.options = kHalfBccOptions, .addresses = kAddresses}};
+
+}  // namespace
+
+const ProtocolEntry& entry() {
+  static constexpr ProtocolEntry row{
+      .name = kTraits.name,
+      .summary = kTraits.summary,
+      .make = make,
+      .explain = explain,
+      .options = kOptions,
+      .options_text =
+          "`check: bcc` (instead of `crc`), `duplex: half` (master of a multidrop "
+          "line), `source` (our node, 0), `max-bytes` (of one request, 236; 82 for SLC "
+          "5/01 and 5/02), `poll-delay-ms` (half duplex, between polls, 10)",
+      .factory_line = {19200, 8, Parity::kNone, 1},
+      .whole_bytes = true,
+      .aliases = kAliases,
+      .variants = kVariants};
+  return row;
+}
+
+}  // namespace fieldcast::df1
