@@ -48,134 +48,104 @@ class Df1Exchange final : public Exchange {
 
   Step start(Bytes& out) override {
     append_packet(out, command_of(request_, link_.nodes, tns_), link_.check,
-                  link_.half_duplex ? std::optional(link_.nodes.plc) : std::nullopt);
-    return Step::send(link_.half_duplex ? 2 : expected());
+                  link_.half_duplex ? std::optional(station()) : std::nullopt);
+    return Step::send(link_.half_duplex ? kSymbol : expected());
   }
 
   Step on_bytes(ByteView all, Bytes& out) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    next_ = Next::kNothing;
+    next_.clear();
+    not_ready_ = false;
     Step step = Step::need_response();
-    std::size_t quiet_until = 0;  // no symbols within a packet that is open or damaged
+    std::size_t inside = 0;  // end of a packet that is open or damaged: symbols in it do not count
     for (std::size_t at = 0; at < all.size();) {
-      Symbol symbol = parse_symbol(all.subspan(at), link_.check);
-      switch (symbol.kind) {
-        case Symbol::Kind::kPacket: {
-          const Step judged = take(symbol.packet, out);
-          if (judged.kind != Step::Kind::kNeedMore) return judged;
-          step = judged;
-          at += symbol.size;
-          continue;
-        }
-        case Symbol::Kind::kOpen:
-        case Symbol::Kind::kBroken:
-          if (at < quiet_until) break;
-          quiet_until = at + symbol.size;
+      const Symbol symbol = parse_symbol(all.subspan(at), link_.check);
+      const bool packet = symbol.kind == Symbol::Kind::kPacket;
+      const bool control = symbol.kind == Symbol::Kind::kControl && at >= inside;
+      if (packet) step = take(symbol.packet, out);
+      if (step.kind != Step::Kind::kNeedMore) return step;
+      if (control) step = take(symbol.control, step);
+      if (!packet && !control && at >= inside) {
+        if (symbol.kind != Symbol::Kind::kNoise)
           step = damaged(symbol);
-          break;
-        case Symbol::Kind::kNoise:
-          if (at >= quiet_until && !is_turnaround(all[at])) note(Cause::kMalformed);
-          break;
-        case Symbol::Kind::kControl:
-          if (at < quiet_until) break;
-          step = take(symbol.control, step);
-          at += symbol.size;
-          continue;
+        else if (!is_turnaround(all[at]))
+          note(Cause::kMalformed);
+        inside = at + symbol.size;
       }
-      ++at;
+      at += packet || control ? symbol.size : 1;
     }
-    return next_ == Next::kFirstPoll ? poll(out) : step;
+    return step;
   }
 
   Step on_silence(Bytes& out) override {
-    const Next next = std::exchange(next_, Next::kNothing);
-    if (next == Next::kPoll || next == Next::kAcknowledgeAndPoll) {
-      if (next == Next::kAcknowledgeAndPoll) append_symbol(out, kAck);
-      return poll(out);
-    }
-    if (next == Next::kNothing || repairs_++ == kMaxRepairs) return Step::failed(cause_);
-    if (next == Next::kRepeat) return start(out);
-    append_symbol(out, next == Next::kAcknowledge ? kAck : kNak);
+    const unsigned most = link_.half_duplex ? kMaxPolls : kMaxRepairs;
+    if (rounds_++ == most && not_ready_) return Step::failed(Cause::kDeviceBusy);
+    if (next_.empty() || rounds_ > most) return Step::failed(cause_);
+    out = std::exchange(next_, {});
     return Step::send(expected());
   }
 
   const Reply& reply() const override { return reply_; }
 
  private:
-  // What to send after a gap.
-  enum class Next : std::uint8_t {
-    kNothing,
-    kRepeat,       // the command
-    kAcknowledge,  // a packet that is not the response
-    kRefuse,       // a damaged packet
-    kFirstPoll,    // immediately
-    kPoll,
-    kAcknowledgeAndPoll,
-  };
-
-  std::size_t expected() const { return 2 + response_size(request_) + 4 + size_of(link_.check); }
+  std::uint8_t station() const { return static_cast<std::uint8_t>(link_.nodes.plc); }
+  std::size_t expected() const {
+    return kSymbol + response_size(request_) + kEnvelope + size_of(link_.check);
+  }
   // Keeps the first finding; noise is the least.
   void note(Cause cause) {
     if (cause_ == Cause::kNoResponse || cause_ == Cause::kMalformed) cause_ = cause;
   }
-
-  Step poll(Bytes& out) {
-    if (polls_++ == kMaxPolls) return Step::failed(Cause::kDeviceBusy);
-    append_poll(out, link_.nodes.plc);
-    return Step::send(expected());
+  void poll_next() {
+    if (acknowledged_) append_poll(next_, station());
   }
 
   Step take(std::uint8_t control, const Step& before) {
     if (control == kNak && !acknowledged_) {
       note(Cause::kChecksum);
-      next_ = Next::kRepeat;
+      next_.clear();
+      (void)start(next_);
       return Step::need_rest(0);
     }
-    if (control == kAck) {
-      if (link_.half_duplex && !acknowledged_) next_ = Next::kFirstPoll;
-      acknowledged_ = true;
-    }
-    if (control == kEnq && !link_.half_duplex) {
-      next_ = Next::kRefuse;
+    const bool first = control == kAck && !std::exchange(acknowledged_, true);
+    if (!link_.half_duplex) {
+      if (control != kEnq) return before;
+      next_ = {kDle, kNak};
       return Step::need_rest(0);
     }
-    if (control != kEot || !link_.half_duplex || !acknowledged_) return before;
-    next_ = Next::kPoll;
-    return Step::pause_for(link_.poll_delay);
+    if (!first && (control != kEot || !acknowledged_)) return before;
+    not_ready_ = !first;
+    next_.clear();
+    poll_next();
+    return Step::pause_for(first ? Duration{} : link_.poll_delay);
   }
 
   Step damaged(const Symbol& symbol) {
-    const bool open = symbol.kind == Symbol::Kind::kOpen;
-    note(open ? Cause::kTruncated : Cause::kChecksum);
-    next_ = !link_.half_duplex ? Next::kRefuse : acknowledged_ ? Next::kPoll : Next::kNothing;
+    note(symbol.kind == Symbol::Kind::kOpen ? Cause::kTruncated : Cause::kChecksum);
+    next_.clear();
+    link_.half_duplex ? poll_next() : append_symbol(next_, kNak);
     return Step::need_rest(symbol.missing);
   }
 
   Step take(ByteView packet, Bytes& out) {
     Judgement judgement = judge(packet, request_, link_.nodes, tns_);
-    switch (judgement.kind) {
-      case Judgement::Kind::kResponse:
-        append_symbol(out, kAck);
-        reply_ = std::move(judgement.reply);
-        return Step::done();
-      case Judgement::Kind::kRefused:
-        append_symbol(out, kAck);
-        return Step::failed(device_code_cause(kCodes, judgement.code), judgement.code);
-      case Judgement::Kind::kMalformed: cause_ = Cause::kMalformed; break;
-      case Judgement::Kind::kForeign: note(Cause::kForeign); break;
+    if (judgement.code != 0 || judgement.cause == Cause::kNone) {
+      append_symbol(out, kAck);
+      reply_ = std::move(judgement.reply);
+      return judgement.code == 0 ? Step::done() : Step::failed(judgement.cause, judgement.code);
     }
-    next_ = !link_.half_duplex ? Next::kAcknowledge
-            : acknowledged_    ? Next::kAcknowledgeAndPoll
-                               : Next::kNothing;
+    note(judgement.cause);
+    next_ = {kDle, kAck};
+    if (link_.half_duplex) poll_next();
     return Step::need_rest(0);
   }
 
   const Link link_;
   const Request request_;
   const std::uint16_t tns_;
-  bool acknowledged_ = false;
-  Next next_ = Next::kNothing;
-  unsigned polls_ = 0, repairs_ = 0;
+  bool acknowledged_ = false, not_ready_ = false;
+  Bytes next_;  // what is sent after a gap
+  unsigned rounds_ = 0;
   Cause cause_ = Cause::kNoResponse;
   Reply reply_;
 };
@@ -197,17 +167,25 @@ class Df1Protocol final : public Protocol {
                         : write == nullptr || !fits(*write))
       return std::nullopt;
     const Range& range = read != nullptr ? read->ranges[0] : write->range;
-    const FileRow& row = file_rows()[range.area];
-    const Place place = place_of(row, range, write != nullptr);
-    const auto number = [](std::uint32_t value) { return value < 0xFF ? 1u : 3u; };
-    std::size_t data = kHead + 3 + number(place.file) + number(place.element) + number(place.sub);
-    if (write != nullptr) data += write->items.size() + (write->bit ? 2 : 0);
-    // Each byte 10 of the command is doubled, those of the response are not known.
-    const std::size_t command = data + doubled(place, write) + 4 + size_of(link_.check);
-    const std::size_t response = 2 + response_size(request) + 4 + size_of(link_.check);
-    if (!link_.half_duplex) return ExchangeSize::of(command + 2, response);
+    const Place place = place_of(file_rows()[range.area], range, write != nullptr);
+    // CMD, STS, TNS, FNC and type. Each byte 10 is doubled, at most both of TNS; those of the
+    // response are unknown.
+    std::size_t command = 6 + 2 + kEnvelope + size_of(link_.check);
+    const auto doubled = [](std::uint32_t number) {
+      return (number & 0xFF) == kDle || number >> 8 == kDle ? 1u : 0u;
+    };
+    for (const std::uint32_t number :
+         {link_.nodes.plc, link_.nodes.source, place.bytes, place.file, place.element, place.sub})
+      command += (number < 0xFF ? 1 : 3) + doubled(number);
+    if (write != nullptr) {
+      for (const std::uint8_t byte : write->items) command += 1 + doubled(byte);
+      if (write->bit) command += 2 + doubled(1u << *write->bit);
+    }
+    const std::size_t response =
+        kSymbol + response_size(request) + kEnvelope + size_of(link_.check);
+    if (!link_.half_duplex) return ExchangeSize::of(command + kSymbol, response);
     const std::size_t station = link_.nodes.plc == kDle ? 2 : 1;
-    return ExchangeSize::of(command + 2 + station + 3 + station + 2, response, 2);
+    return ExchangeSize::of(command + 3 * kSymbol + 2 * station + 1, response + kSymbol, 2);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
@@ -218,27 +196,14 @@ class Df1Protocol final : public Protocol {
   bool fits(const Range& range, bool write) const {
     return fieldcast::fits(areas_, range, write) &&
            in_one_bank(areas_[range.area], range.first, range.end()) &&
-           place_of(file_rows()[range.area], range, write).bytes <= kMaxRead;
+           place_of(file_rows()[range.area], range, write).bytes <=
+               areas_[range.area].max_read * areas_[range.area].item_bits / 8;
   }
   bool fits(const WriteRequest& write) const {
     if (!fits(write.range, true) || write.bits != 1) return false;
     const unsigned item_bits = areas_[write.range.area].item_bits;
     if (write.bit && (write.range.count != 1 || *write.bit >= 16 || item_bits != 16)) return false;
     return write.items.size() == image_bytes(item_bits, write.range.count);
-  }
-  // Bytes 10 of the command; both of TNS may be.
-  std::size_t doubled(const Place& place, const WriteRequest* write) const {
-    std::size_t count = 2;
-    const auto add = [&](std::uint32_t number) {
-      count += ((number & 0xFF) == kDle ? 1u : 0u) + (number >> 8 == kDle ? 1u : 0u);
-    };
-    for (const std::uint32_t number :
-         {std::uint32_t{link_.nodes.plc}, std::uint32_t{link_.nodes.source}, place.bytes,
-          place.file, place.element, place.sub})
-      add(number);
-    if (write == nullptr) return count;
-    if (write->bit) add(1u << *write->bit);
-    return count + static_cast<std::size_t>(std::ranges::count(write->items, kDle));
   }
 
   const Link link_;
@@ -250,10 +215,10 @@ constexpr std::array<std::string_view, 5> kOptions{"check", "duplex", "max-bytes
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kTraits, kOptions);
-  Link df1{.nodes = {.plc = static_cast<std::uint8_t>(link.address)}};
+  Link df1{.nodes = {.plc = link.address}};
   df1.check = reader.choice("check", {"crc", "bcc"}) == 0 ? Check::kCrc : Check::kBcc;
   df1.half_duplex = reader.choice("duplex", {"full", "half"}) == 1;
-  df1.nodes.source = static_cast<std::uint8_t>(reader.number("source", 0, 254, 0));
+  df1.nodes.source = reader.number("source", 0, 254, 0);
   df1.poll_delay = std::chrono::milliseconds{reader.number("poll-delay-ms", 0, 1000, 10)};
   const std::uint32_t bytes = reader.number("max-bytes", 6, kMaxRead, kMaxRead);
   if (reader.fault()) return tl::unexpected(*reader.fault());
@@ -261,10 +226,10 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
 }
 
 constexpr std::string_view kAddresses[] = {
-    "N7:0",       "N7:1/3",   "N10:5",   "N255:999", "B3:0/5",   "B3/21",   "B3:2",
-    "F8:3",       "L9:0",     "L9:1/17", "T4:0.ACC", "T4:1.PRE", "T4:0/DN", "T4:2/EN",
-    "T4:3.ACC/1", "C5:0.ACC", "C5:1/CU", "R6:0.LEN", "R6:0.POS", "R6:1/DN", "S:1",
-    "S:1/15",     "S2:4",     "O:0.0",   "O:0/3",    "I:1.0/3",  "I:1.2",   "I:2/17"};
+    "N7:0",    "N7:1/3",   "N255:999", "B3:0/5",   "B3/21",   "B3:2",       "F8:3",
+    "L9:0",    "L9:1/17",  "T4:0.ACC", "T4:1.PRE", "T4:0/DN", "T4:3.ACC/1", "C5:0.ACC",
+    "C5:1/CU", "R6:0.LEN", "R6:0.POS", "R6:1/DN",  "S:1",     "S:1/15",     "S2:4",
+    "O:0.0",   "O:0/3",    "I:1.0/3",  "I:1.2",    "I:2/17"};
 constexpr ProtocolOption kBccOption[] = {{"check", "bcc"}};
 constexpr ProtocolOption kHalfOption[] = {{"duplex", "half"}};
 constexpr ProtocolOption kHalfBccOptions[] = {{"check", "bcc"}, {"duplex", "half"}};

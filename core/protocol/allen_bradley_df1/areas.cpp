@@ -1,226 +1,98 @@
 #include "core/protocol/allen_bradley_df1/areas.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
-
-#include "core/base/message_text.hpp"
 
 namespace fieldcast::df1 {
 namespace {
 
-constexpr auto kInt16 = ValueType::kInt16, kInt32 = ValueType::kInt32, kFloat = ValueType::kFloat32;
-constexpr std::uint32_t kFiles = 256, kStatusWords = 256, kThree = 3 * kElements;
-// Name, code, bits of an item, only file, bank, words of an element, by slot, writable, type.
+constexpr auto kInt16 = ValueType::kInt16;
+constexpr std::uint32_t kFiles = 256;
+// Name, code, bits of an item, type; words of an element, only file, elements.
 constexpr FileRow kRows[] = {
-    {"N", 0x89, 16, {}, kElements, 1, false, true, {}},
-    {"B", 0x85, 16, {}, kElements, 1, false, true, {}},
-    {"F", 0x8A, 32, {}, kElements, 1, false, true, kFloat},
-    {"L", 0x91, 32, {}, kElements, 1, false, true, kInt32},
-    {"T", 0x86, 16, {}, kThree, 3, false, true, kInt16},
-    {"C", 0x87, 16, {}, kThree, 3, false, true, kInt16},
-    {"R", 0x88, 16, {}, kThree, 3, false, true, kInt16},
-    {"S", 0x84, 16, 2, kStatusWords, 1, false, true, {}},
-    {"O", 0x8B, 16, 0, kSlotWords, 1, true, false, {}},
-    {"I", 0x8C, 16, 1, kSlotWords, 1, true, false, {}},
+    {"N", 0x89, 16, {}},
+    {"B", 0x85, 16, {}},
+    {"F", 0x8A, 32, ValueType::kFloat32},
+    {"L", 0x91, 32, ValueType::kInt32},
+    {"T", 0x86, 16, kInt16, 3},
+    {"C", 0x87, 16, kInt16, 3},
+    {"R", 0x88, 16, kInt16, 3},
+    {"S", 0x84, 16, {}, 1, 2, 256},
+    {"O", 0x8B, 16, {}, 32, 0, 31},
+    {"I", 0x8C, 16, {}, 32, 1, 31},
 };
 
-// A part of a timer, counter or control: a word, or a bit of the control word.
-struct Part {
-  std::string_view files;  // letters of its files
-  std::string_view name;
-  std::uint8_t word = 0;
-  std::optional<std::uint8_t> bit{};
+// Parts of a timer, counter or control: words, and bits of the control word from bit 15 downwards.
+struct Parts {
+  std::string_view file;
+  std::array<std::string_view, 3> words;
+  std::array<std::string_view, 8> bits;
 };
-constexpr Part kParts[] = {
-    {"TC", "PRE", 1, {}}, {"TC", "ACC", 2, {}}, {"R", "LEN", 1, {}},  {"R", "POS", 2, {}},
-    {"TR", "EN", 0, 15},  {"T", "TT", 0, 14},   {"TCR", "DN", 0, 13}, {"C", "CU", 0, 15},
-    {"C", "CD", 0, 14},   {"C", "OV", 0, 12},   {"C", "UN", 0, 11},   {"C", "UA", 0, 10},
-    {"R", "EU", 0, 14},   {"R", "EM", 0, 12},   {"R", "ER", 0, 11},   {"R", "UL", 0, 10},
-    {"R", "IN", 0, 9},    {"R", "FD", 0, 8},
-};
+constexpr Parts kParts[] = {
+    {"T", {"", "PRE", "ACC"}, {"EN", "TT", "DN"}},
+    {"C", {"", "PRE", "ACC"}, {"CU", "CD", "DN", "OV", "UN", "UA"}},
+    {"R", {"", "LEN", "POS"}, {"EN", "EU", "DN", "EM", "ER", "UL", "IN", "FD"}}};
 
 constexpr AddressFaults address_fault{
     "N7:0, N7:0/3, B3:1/5, B3/21, F8:3, L9:0, T4:0.ACC, T4:0.PRE, T4:0/DN, C5:0.ACC, R6:0.POS, "
     "S:1/15, O:0.0, I:1.0/3"};
 
-const Part* part_of(const FileRow& row, std::string_view name) {
-  const auto found = std::ranges::find_if(kParts, [&](const Part& part) {
-    return part.name == name && part.files.find(row.name) != std::string_view::npos;
-  });
-  return found == std::end(kParts) ? nullptr : &*found;
+// Cuts the text behind the mark off; empty without the mark.
+std::optional<std::string_view> cut(std::string_view& at, char mark) {
+  const std::size_t where = at.rfind(mark);
+  if (where == std::string_view::npos) return std::nullopt;
+  const std::string_view behind = at.substr(where + 1);
+  at = at.substr(0, where);
+  return behind;
 }
 
-std::string parts_text(const FileRow& row) {
-  std::string text;
-  for (const Part& part : kParts) {
-    if (part.files.find(row.name) != std::string_view::npos)
-      text +=
-          (text.empty() ? "" : ", ") + std::string(part.bit ? "/" : ".") + std::string(part.name);
-  }
-  return text;
-}
-
-// "N7:3.ACC/5": the pieces of an address. A piece that is not there is empty.
-struct Pieces {
-  std::string_view letters, file, element, dot, slash;
-  bool has_dot = false, has_slash = false;
+// Word and bit of the part named behind the dot or the slash. Empty if there is no such part.
+struct Piece {
+  std::uint32_t word = 0;
+  std::optional<std::uint32_t> bit;
 };
-Pieces split(std::string_view at) {
-  Pieces pieces;
-  const auto cut = [&](char mark, std::string_view& into, bool* found) {
-    const std::size_t where = at.rfind(mark);
-    if (where == std::string_view::npos) return;
-    into = at.substr(where + 1);
-    at = at.substr(0, where);
-    if (found != nullptr) *found = true;
-  };
-  cut('/', pieces.slash, &pieces.has_slash);
-  cut('.', pieces.dot, &pieces.has_dot);
-  cut(':', pieces.element, nullptr);
-  const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
-  pieces.letters = at.substr(0, digits);
-  pieces.file = at.substr(digits);
-  return pieces;
+std::optional<Piece> piece_of(const FileRow& row, std::optional<std::string_view> dot,
+                              std::optional<std::string_view> slash) {
+  Piece piece;
+  if (slash) piece.bit = whole_number(*slash);
+  if (row.by_slot()) {
+    const auto word = dot ? whole_number(*dot) : piece.bit.value_or(0) / 16;  // I:1/17 is I:1.1/1
+    if (!word || *word >= row.words || (slash && !piece.bit)) return std::nullopt;
+    if (!dot && piece.bit) piece.bit = *piece.bit % 16;
+    return Piece{*word, piece.bit};
+  }
+  if (row.words == 1) return dot || (slash && !piece.bit) ? std::nullopt : std::optional(piece);
+  if (!dot && piece.bit) return piece;  // of the control word
+  const Parts& parts = *std::ranges::find(kParts, row.name, &Parts::file);
+  const std::string_view name = dot ? *dot : slash.value_or("");
+  if (name.empty()) return std::nullopt;
+  const auto word = std::ranges::find(parts.words, name) - parts.words.begin();
+  const auto bit = std::ranges::find(parts.bits, name) - parts.bits.begin();
+  if (bit < 8) return dot && slash ? std::nullopt : std::optional(Piece{0, 15 - bit});
+  if (word == 3 || (slash && !piece.bit)) return std::nullopt;
+  return Piece{static_cast<std::uint32_t>(word), piece.bit};
 }
-
-class Parser {
- public:
-  explicit Parser(std::string_view at) : at_(at), pieces_(split(at)) {}
-
-  ParsedOrFault run() {
-    const auto named = std::ranges::find(kRows, pieces_.letters, &FileRow::name);
-    if (named == std::end(kRows)) return unknown();
-    row_ = &*named;
-    address_.area = static_cast<AreaIndex>(named - std::begin(kRows));
-    auto file = number(pieces_.file);
-    if (pieces_.file.empty() && row_->file) file = *row_->file;
-    if (!file) return address_fault(in_quotes(at_) + " has no file number", with_file());
-    if (*file >= kFiles || (row_->file && *file != *row_->file))
-      return address_fault("file " + std::string(pieces_.letters) + in_text(*file) +
-                           " does not exist");
-    file_ = *file;
-    // B3/21 is bit 5 of word 1.
-    if (pieces_.element.empty() && row_->name == "B" && pieces_.has_slash && !pieces_.has_dot)
-      return bit_of_file();
-    const auto element = number(pieces_.element);
-    if (!element) return address_fault(in_quotes(at_) + " has no element", with_file());
-    if (*element >= (row_->by_slot ? kSlots : row_->bank / row_->words))
-      return address_fault("element " + in_text(*element) + " does not exist");
-    return row_->by_slot     ? word_of_slot(*element)
-           : row_->words > 1 ? part_of_element(*element)
-                             : item(*element);
-  }
-
- private:
-  static std::optional<std::uint32_t> number(std::string_view text) { return whole_number(text); }
-  static std::string in_text(std::uint32_t number) { return std::to_string(number); }
-
-  ParsedOrFault unknown() const {
-    const std::string upper = upper_case(pieces_.letters);
-    const bool known = std::ranges::find(kRows, upper, &FileRow::name) != std::end(kRows);
-    return address_fault("file type " + in_quotes(pieces_.letters) + " is unknown",
-                         known ? upper_case(at_) : "");
-  }
-  std::string with_file() const {
-    constexpr std::string_view kFactory[] = {"N7", "B3", "F8", "L9", "T4", "C5", "R6", "S"};
-    if (row_->by_slot) return std::string(row_->name) + ":0.0";
-    const std::string rest = row_->words > 1 ? row_->name == "R" ? ".POS" : ".ACC" : "";
-    return std::string(kFactory[address_.area]) + ':' +
-           (number(pieces_.element) ? std::string(pieces_.element) : "0") + rest;
-  }
-
-  ParsedOrFault bit_of_file() {
-    const auto bit = number(pieces_.slash);
-    if (!bit || *bit >= kElements * 16)
-      return address_fault("bit " + in_quotes(pieces_.slash) + " does not exist");
-    address_.first = file_ * row_->bank + *bit / 16;
-    (void)set_bit(address_, *bit % 16, 16);
-    return address_;
-  }
-
-  ParsedOrFault item(std::uint32_t element) {
-    if (pieces_.has_dot)
-      return address_fault(
-          in_quotes(at_) + " is not an address: bits follow a slash",
-          std::string(at_.substr(0, at_.find('.'))) + '/' + std::string(pieces_.dot));
-    address_.first = (row_->file ? 0 : file_ * row_->bank) + element;
-    if (row_->item_bits != 16) address_.width_bits = row_->item_bits;
-    return with_bit(row_->type == kFloat ? 0 : row_->item_bits);
-  }
-
-  ParsedOrFault part_of_element(std::uint32_t element) {
-    const auto name = pieces_.has_dot ? pieces_.dot : pieces_.slash;
-    const bool control_bit = !pieces_.has_dot && number(name).has_value();
-    const Part* part = part_of(*row_, name);
-    if (part == nullptr && !control_bit)
-      return address_fault(
-          "element " + std::string(at_.substr(0, at_.find_first_of("./"))) +
-              (name.empty() ? " needs a part" : " has no part " + in_quotes(name)) + ": " +
-              parts_text(*row_),
-          with_file());
-    address_.first = file_ * row_->bank + element * row_->words + (control_bit ? 0 : part->word);
-    if (!control_bit && part->bit) {
-      if (pieces_.has_dot && pieces_.has_slash) return no_bit(pieces_.slash);
-      (void)set_bit(address_, *part->bit, 16);
-      return address_;
-    }
-    return with_bit(16);
-  }
-
-  // I:1/17 is bit 1 of word 1.
-  ParsedOrFault word_of_slot(std::uint32_t slot) {
-    const auto word = pieces_.has_dot ? number(pieces_.dot) : 0;
-    const auto bit = number(pieces_.slash);
-    const bool long_bit = !pieces_.has_dot && bit && *bit < kSlotWords * 16;
-    if (!word || *word >= kSlotWords)
-      return address_fault("word " + in_quotes(pieces_.dot) + " does not exist");
-    address_.first = slot * kSlotWords + (long_bit ? *bit / 16 : *word);
-    if (!long_bit) return with_bit(16);
-    (void)set_bit(address_, *bit % 16, 16);
-    return address_;
-  }
-
-  ParsedOrFault with_bit(unsigned bits) {
-    if (pieces_.has_slash && !set_bit(address_, number(pieces_.slash), bits))
-      return no_bit(pieces_.slash);
-    return address_;
-  }
-  ParsedOrFault no_bit(std::string_view bit) const {
-    return address_fault("bit " + in_quotes(bit) + " does not exist",
-                         std::string(at_.substr(0, at_.find('/'))));
-  }
-
-  const std::string_view at_;
-  const Pieces pieces_;
-  const FileRow* row_ = nullptr;
-  std::uint32_t file_ = 0;
-  ParsedAddress address_;
-};
 
 }  // namespace
 
 std::span<const FileRow> file_rows() { return kRows; }
 
-const FileRow* row_of_code(std::uint8_t code) {
-  const auto found = std::ranges::find(kRows, code, &FileRow::code);
-  return found == std::end(kRows) ? nullptr : &*found;
-}
-
 std::vector<Area> areas_of(std::uint32_t bytes) {
   std::vector<Area> areas;
   for (const FileRow& row : kRows) {
-    const std::uint32_t each = row.item_bits / 8;
+    const bool parts = row.words == 3;
     Area area{.name = row.name, .item_bits = row.item_bits, .type = row.type};
-    area.items = row.by_slot ? kSlots * row.bank : row.file ? row.bank : kFiles * row.bank;
-    area.bank = row.bank;
-    const std::uint32_t most = bytes / (each * row.words) * row.words;
-    area.max_read = static_cast<std::uint16_t>(row.by_slot ? std::min(most, kSlotWords) : most);
-    area.writable = row.writable;
+    area.items = row.file_items() * (row.file ? 1 : kFiles);
+    area.bank = row.by_slot() ? row.words : row.file_items();
+    const std::uint32_t most = bytes / (row.item_bits / 8);
+    area.max_read = static_cast<std::uint16_t>(parts ? most / 3 * 3 : std::min(most, area.bank));
+    area.writable = !row.by_slot();
     // One word of a timer, counter or control, so that the others keep counting.
-    const std::uint32_t most_written = row.words > 1 ? 1 : std::min(bytes, kMaxWrite) / each;
-    area.max_write = static_cast<std::uint16_t>(row.writable ? most_written : 0);
-    area.alignment = static_cast<std::uint16_t>(row.words);
-    area.bit_write = row.writable && row.item_bits == 16;
+    const std::uint32_t write = parts ? 1 : std::min(bytes, kMaxWrite) / (row.item_bits / 8);
+    area.max_write = static_cast<std::uint16_t>(area.writable ? write : 0);
+    area.alignment = parts ? 3 : 1;
+    area.bit_write = area.writable && row.item_bits == 16;
     // COP copies a float to two words of N with its low word first.
     if (row.item_bits == 16) area.word_order = WordOrder::kLittleEndian;
     areas.push_back(area);
@@ -229,33 +101,51 @@ std::vector<Area> areas_of(std::uint32_t bytes) {
 }
 
 Place place_of(const FileRow& row, const Range& range, bool write) {
-  Place place{.bytes = range.count * row.item_bits / 8};
-  place.file = row.file ? *row.file : range.first / row.bank;
-  const std::uint32_t in_bank = range.first % row.bank;
-  if (row.by_slot) {
-    place.element = range.first / row.bank;
-    place.sub = in_bank;
-    return place;
-  }
-  place.element = in_bank / row.words;
-  if (row.words == 1) return place;
-  if (write) {
-    place.sub = in_bank % row.words;
-  } else {
-    const std::uint32_t end = (in_bank + range.count + row.words - 1) / row.words;
-    place.bytes = (end - place.element) * row.words * 2;
-  }
+  const std::uint32_t first = row.file ? range.first : range.first % row.file_items();
+  Place place{range.count * row.item_bits / 8, row.file.value_or(0), first / row.words,
+              first % row.words};
+  if (!row.file) place.file = range.first / row.file_items();
+  if (row.words != 3 || write) return place;
+  place.bytes = (place.sub + range.count + 2) / 3 * 6;
+  place.sub = 0;
   return place;
 }
 
-ParsedOrFault parse_address(std::string_view at) { return Parser(at).run(); }
-
-std::string text_of(const FileRow& row, const Place& place) {
-  std::string text(row.name);
-  if (!row.file) text += std::to_string(place.file);
-  text += ':' + std::to_string(place.element);
-  if (row.by_slot || place.sub > 0) text += '.' + std::to_string(place.sub);
-  return text;
+ParsedOrFault parse_address(std::string_view at) {
+  const std::string whole(at);
+  const auto slash = cut(at, '/'), dot = cut(at, '.'), number = cut(at, ':');
+  const std::size_t letters = std::min(at.find_first_of("0123456789"), at.size());
+  const auto row = std::ranges::find(kRows, at.substr(0, letters), &FileRow::name);
+  if (row == std::end(kRows))
+    return address_fault("file type " + in_quotes(at.substr(0, letters)) + " is unknown",
+                         upper_case(whole));
+  auto file = whole_number(at.substr(letters));
+  if (letters == at.size() && row->file) file = *row->file;
+  if (!file || *file >= kFiles || (row->file && *file != *row->file))
+    return address_fault(in_quotes(at) + " is not a file: a number 0..255 follows the letters");
+  std::uint32_t element = number ? whole_number(*number).value_or(UINT32_MAX) : UINT32_MAX;
+  auto piece = piece_of(*row, dot, slash);
+  if (!number && !dot && row->name == "B" && piece && piece->bit) {  // B3/21 is B3:1/5
+    element = *piece->bit / 16;
+    piece->bit = *piece->bit % 16;
+  }
+  if (element >= row->elements)
+    return address_fault(in_quotes(whole) + " has no element 0.." +
+                         std::to_string(row->elements - 1));
+  const std::string before = whole.substr(0, whole.find_first_of("./"));
+  if (!piece)
+    return address_fault(in_quotes(whole) + " is not a word or a bit of " + before,
+                         row->words == 3 ? before + (row->name == "R" ? ".POS" : ".ACC")
+                         : dot           ? before + '/' + std::string(*dot)
+                                         : before);
+  ParsedAddress address{.area = static_cast<AreaIndex>(row - std::begin(kRows))};
+  address.first = (row->file ? 0 : *file * row->file_items()) + element * row->words + piece->word;
+  if (row->item_bits != 16) address.width_bits = row->item_bits;
+  const unsigned bits = row->type == ValueType::kFloat32 ? 0 : row->item_bits;
+  if (piece->bit && !set_bit(address, piece->bit, bits))
+    return address_fault("bit " + std::to_string(*piece->bit) + " of " + before + " does not exist",
+                         before);
+  return address;
 }
 
 }  // namespace fieldcast::df1

@@ -10,14 +10,14 @@ namespace {
 const FileRow& row_of(const Range& range) { return file_rows()[range.area]; }
 
 void append_low_first(Bytes& out, std::uint32_t number) {
-  out.push_back(static_cast<std::uint8_t>(number));
-  out.push_back(static_cast<std::uint8_t>(number >> 8));
+  const Bytes bytes{static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8)};
+  append(out, bytes);
 }
 
 void append_number(Bytes& out, std::uint32_t number) {
-  if (number < 0xFF) return out.push_back(static_cast<std::uint8_t>(number));
-  out.push_back(0xFF);
-  append_low_first(out, number);
+  if (number >= 0xFF) out.push_back(0xFF);
+  if (number >= 0xFF) return append_low_first(out, number);
+  out.push_back(static_cast<std::uint8_t>(number));
 }
 
 // The low byte is first on the wire, last in the image.
@@ -28,19 +28,17 @@ Bytes turned(ByteView bytes, std::size_t each) {
   return result;
 }
 
-const Range& range_of(const Request& request) {
-  const auto* read = std::get_if<ReadRequest>(&request);
-  return read != nullptr ? read->ranges[0] : std::get<WriteRequest>(request).range;
-}
-
 }  // namespace
 
 Bytes command_of(const Request& request, const Nodes& nodes, std::uint16_t tns) {
-  const Range& range = range_of(request);
-  const FileRow& row = row_of(range);
   const auto* write = std::get_if<WriteRequest>(&request);
+  const Range& range = write != nullptr ? write->range : std::get<ReadRequest>(request).ranges[0];
+  const FileRow& row = row_of(range);
   const Place place = place_of(row, range, write != nullptr);
-  Bytes out{nodes.plc, nodes.source, kCommand, 0};
+  Bytes out;
+  append_number(out, nodes.plc);
+  append_number(out, nodes.source);
+  out.insert(out.end(), {kCommand, 0});
   append_low_first(out, tns);
   out.push_back(write == nullptr ? kRead : write->bit ? kWriteMasked : kWrite);
   out.push_back(static_cast<std::uint8_t>(place.bytes));
@@ -61,28 +59,22 @@ std::size_t response_size(const Request& request) {
 }
 
 Judgement judge(ByteView packet, const Request& request, const Nodes& nodes, std::uint16_t tns) {
-  using Kind = Judgement::Kind;
   // A gateway may replace our node number.
   if (packet.size() < kHead || packet[1] != nodes.plc || packet[2] != (kCommand | kReply) ||
       (packet[4] | packet[5] << 8) != tns)
-    return {Kind::kForeign};
-  const std::uint8_t status = packet[3];
+    return {Cause::kForeign};
   const ByteView data = packet.subspan(kHead);
-  if (status == kExtended) {
-    if (data.empty()) return {Kind::kMalformed};
-    return {Kind::kRefused, static_cast<std::uint16_t>(0xF000 | data[0])};
-  }
-  if (status != 0) return {Kind::kRefused, status};
-  if (packet.size() != response_size(request)) return {Kind::kMalformed};
-  Judgement judgement{Kind::kResponse};
+  std::uint16_t code = packet[3];
+  if (code == kExtended && !data.empty()) code = static_cast<std::uint16_t>(0xF000 | data[0]);
+  if (code != 0) return {device_code_cause(kCodes, code), code};
+  if (packet.size() != response_size(request)) return {Cause::kMalformed};
+  Judgement judgement{.reply = Reply(1)};
   const auto* read = std::get_if<ReadRequest>(&request);
-  RangeReply& reply = judgement.reply.emplace_back();
   if (read == nullptr) return judgement;
   const Range& range = read->ranges[0];
   const FileRow& row = row_of(range);
-  const std::size_t each = row.item_bits / 8;
-  reply.items =
-      turned(data.subspan(range.first % row.bank % row.words * each, range.count * each), each);
+  const std::size_t each = row.item_bits / 8, skipped = row.words == 3 ? range.first % 3 : 0;
+  judgement.reply[0].items = turned(data.subspan(skipped * each, range.count * each), each);
   return judgement;
 }
 

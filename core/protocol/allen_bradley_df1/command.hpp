@@ -21,7 +21,7 @@ inline constexpr std::uint8_t kCommand = 0x0F, kReply = 0x40, kExtended = 0xF0;
 inline constexpr std::uint8_t kRead = 0xA2, kWrite = 0xAA, kWriteMasked = 0xAB;
 
 struct Nodes {
-  std::uint8_t plc = 1, source = 0;
+  std::uint32_t plc = 1, source = 0;  // 0..254
 };
 
 constexpr auto kBusy = Cause::kDeviceBusy;
@@ -29,10 +29,8 @@ constexpr auto kBusy = Cause::kDeviceBusy;
 inline constexpr DeviceCode kCodes[] = {
     {0x01, "node has no buffer space", kBusy},
     {0x02, "node does not acknowledge", kBusy, true},
-    {0x03, "duplicate token holder", kBusy},
     {0x04, "port of the gateway is disconnected", kBusy},
     {0x05, "gateway got no response", kBusy, true},
-    {0x06, "duplicate node", kBusy},
     {0x07, "station is offline", kBusy},
     {0x08, "hardware fault of the gateway", kBusy},
     {0x10, "illegal command or format"},
@@ -44,42 +42,25 @@ inline constexpr DeviceCode kCodes[] = {
     {0x70, "processor is in program mode", kBusy},
     {0x80, "compatibility file is missing"},
     {0x90, "remote node cannot buffer the command", kBusy},
-    {0xA0, "gateway waits for an acknowledgement", kBusy},
     {0xB0, "program is being downloaded", kBusy},
     {0xC0, "gateway waits for an acknowledgement", kBusy},
     {0xF000, "error in the extended status"},
     {0xF001, "a field has an illegal value"},
-    {0xF002, "too few levels in the address"},
-    {0xF003, "too many levels in the address"},
-    {0xF004, "symbol not found"},
-    {0xF005, "symbol has a wrong format"},
     {0xF006, "address does not exist"},
     {0xF007, "file has a wrong size"},
     {0xF008, "situation has changed since the start of the command", kBusy},
     {0xF009, "data or file is too large"},
-    {0xF00A, "transaction and address are too large"},
     {0xF00B, "access denied"},
     {0xF00C, "resource is not available", kBusy},
-    {0xF00D, "condition exists already"},
     {0xF00E, "command cannot be executed"},
-    {0xF00F, "histogram overflow"},
     {0xF010, "no access"},
     {0xF011, "illegal data type"},
     {0xF012, "invalid parameter or data"},
-    {0xF013, "a reference to a deleted area exists"},
     {0xF014, "command failed for an unknown reason"},
-    {0xF015, "data conversion error"},
-    {0xF016, "rack adapter does not communicate", kBusy},
-    {0xF017, "type mismatch"},
-    {0xF018, "response of the module is not valid"},
-    {0xF019, "duplicate label"},
     {0xF01A, "file is open by another node", kBusy},
     {0xF01B, "another node owns the program", kBusy},
     {0xF01E, "data element is protected"},
     {0xF01F, "temporary internal problem", kBusy},
-    {0xF022, "fault of the remote rack", kBusy},
-    {0xF023, "timeout of the remote rack", kBusy, true},
-    {0xF024, "unknown error of the remote rack"},
 };
 
 // Data of a packet, before doubling. REQUIRES: the request fits.
@@ -89,9 +70,8 @@ inline constexpr DeviceCode kCodes[] = {
 [[nodiscard]] std::size_t response_size(const Request& request);
 
 struct Judgement {
-  enum class Kind : std::uint8_t { kResponse, kRefused, kMalformed, kForeign };
-  Kind kind = Kind::kForeign;
-  std::uint16_t code = 0;
+  Cause cause = Cause::kNone;  // kNone: the response; kForeign, kMalformed, or of the refusal
+  std::uint16_t code = 0;      // of a refusal
   Reply reply{};
 };
 // `packet`: data with a valid check, of any size.

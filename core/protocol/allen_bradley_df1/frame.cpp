@@ -47,47 +47,34 @@ void append_poll(Bytes& out, std::uint8_t station) {
   out.push_back(lrc8({&station, 1}));
 }
 
-Body parse_body(ByteView bytes) {
-  Body body{.data = {}, .size = 2};
-  while (body.size < bytes.size() && body.data.size() <= kMaxPacket) {
-    const std::uint8_t byte = bytes[body.size];
-    if (byte != kDle) {
-      body.data.push_back(byte);
-      ++body.size;
-      continue;
-    }
-    if (body.size + 1 == bytes.size()) return body;
-    const std::uint8_t next = bytes[body.size + 1];
-    body.broken = next != kDle && next != kEtx && next != kAck && next != kNak;
-    if (body.broken) return body;
-    body.size += 2;
-    if (next == kDle) body.data.push_back(kDle);
-    body.ended = next == kEtx;
-    if (body.ended) return body;
-  }
-  body.broken = body.data.size() > kMaxPacket;
-  return body;
-}
-
-Symbol parse_symbol(ByteView bytes, Check check) {
+Symbol parse_symbol(ByteView bytes, std::optional<Check> check) {
   using Kind = Symbol::Kind;
   if (bytes[0] != kDle) return {};
   if (bytes.size() == 1) return {.kind = Kind::kOpen, .missing = 1};
   const std::uint8_t code = bytes[1];
   if (code == kAck || code == kNak || code == kEnq || code == kEot)
-    return {.kind = Kind::kControl, .size = 2, .control = code};
+    return {.kind = Kind::kControl, .size = kSymbol, .control = code};
   if (code != kStx) return {};
-  Body body = parse_body(bytes);
-  if (body.broken) return {.kind = Kind::kBroken, .size = body.size};
-  if (!body.ended)
-    return {.kind = Kind::kOpen, .size = bytes.size(), .missing = 2 + size_of(check)};
-  const std::size_t size = body.size + size_of(check);
-  if (bytes.size() < size)
-    return {.kind = Kind::kOpen, .size = bytes.size(), .missing = size - bytes.size()};
-  const bool right = std::ranges::equal(check_of(body.data, check, std::nullopt),
-                                        bytes.subspan(body.size, size_of(check)));
-  return {
-      .kind = right ? Kind::kPacket : Kind::kBroken, .size = size, .packet = std::move(body.data)};
+  const std::size_t check_size = check ? size_of(*check) : 0;
+  Symbol symbol{.kind = Kind::kOpen, .size = kSymbol, .missing = kSymbol + check_size};
+  for (std::uint8_t next = 0; next != kEtx;) {
+    const ByteView left = bytes.subspan(symbol.size);
+    const bool dle = !left.empty() && left[0] == kDle;
+    if (left.size() < (dle ? kSymbol : 1)) return symbol;
+    next = dle ? left[1] : 0;
+    const bool known = !dle || next == kDle || next == kEtx || next == kAck || next == kNak;
+    if (!known || symbol.packet.size() > kMaxPacket) symbol.kind = Kind::kBroken;
+    if (symbol.kind == Kind::kBroken) return symbol;
+    symbol.size += dle ? kSymbol : 1;
+    if (!dle || next == kDle) symbol.packet.push_back(left[0]);
+  }
+  symbol.missing = std::max(symbol.size + check_size, bytes.size()) - bytes.size();
+  if (symbol.missing > 0) return symbol;
+  const bool right = !check || std::ranges::equal(check_of(symbol.packet, *check, std::nullopt),
+                                                  bytes.subspan(symbol.size, check_size));
+  symbol.kind = right ? Kind::kPacket : Kind::kBroken;
+  symbol.size += check_size;
+  return symbol;
 }
 
 }  // namespace fieldcast::df1

@@ -28,7 +28,8 @@ enum class Check : std::uint8_t { kCrc, kBcc };
 
 inline constexpr std::size_t kHead = 6;         // DST SRC CMD STS TNS
 inline constexpr std::size_t kMaxPacket = 256;  // bytes of data
-inline constexpr std::size_t kPoll = 4;
+inline constexpr std::size_t kSymbol = 2;       // DLE and its code
+inline constexpr std::size_t kEnvelope = 4;     // DLE STX, DLE ETX
 
 // `station`: of a frame of a half-duplex master.
 void append_packet(Bytes& out, ByteView packet, Check check,
@@ -45,20 +46,12 @@ struct Symbol {
   std::size_t size = 1;      // characters; of an open or broken packet as far as it goes
   std::size_t missing = 0;   // kOpen: at least
   std::uint8_t control = 0;  // kControl: kAck, kNak, kEnq or kEot
-  Bytes packet{};            // kPacket, kBroken: data
+  Bytes packet{};            // data between STX and ETX
 };
 // The symbol at the beginning of the bytes, as a slave sends it. An ACK or NAK within a packet is
-// an embedded response and is skipped. REQUIRES: bytes is not empty.
-[[nodiscard]] Symbol parse_symbol(ByteView bytes, Check check);
-
-// The data between STX and ETX and the size of all, without the check; empty if it does not end.
-struct Body {
-  Bytes data;
-  std::size_t size = 0;
-  bool ended = false, broken = false;
-};
-// `bytes` begin with DLE STX.
-[[nodiscard]] Body parse_body(ByteView bytes);
+// an embedded response and is skipped. Without `check` a packet ends with ETX. REQUIRES: bytes is
+// not empty.
+[[nodiscard]] Symbol parse_symbol(ByteView bytes, std::optional<Check> check);
 [[nodiscard]] Bytes check_of(ByteView packet, Check check, std::optional<std::uint8_t> station);
 
 }  // namespace fieldcast::df1
