@@ -92,7 +92,10 @@ TEST(DeviceCode, StatesOfTheMomentByFamily) {
                     0x2200, 0x2201, 0x2203, 0x2206, 0x2502, 0x3001, 0x4001, 0x7020, 0x7025};
   const Codes kMc{0x4010, 0x4013, 0xC035, 0xCEE0, 0xCF70, 0xCF71};
   const Codes kMcSerial{0x4010, 0x4013, 0x7E47, 0x7F01, 0x7F31};
-  const std::map<std::string_view, Codes> expected{{"modbus-rtu", {4, 5, 6, 8, 0x0A, 0x0B}},
+  const Codes kDf1{1,    2,    4,    5,    7,      8,      0x20,   0x30,   0x40,
+                   0x70, 0x90, 0xB0, 0xC0, 0xF008, 0xF00C, 0xF01A, 0xF01B, 0xF01F};
+  const std::map<std::string_view, Codes> expected{{"allen-bradley-df1", kDf1},
+                                                   {"modbus-rtu", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"modbus-ascii", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"modbus-tcp", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"s7-ppi", {1, 2, 9, 0x8001, 0x8404}},
