@@ -35,6 +35,21 @@ TEST(ExchangeDriver, RequestsAndGetsAResponse) {
   EXPECT_EQ(line.driver.responded(), Instant{20ms});
 }
 
+TEST(ExchangeDriver, AConfirmationOccupiesTheWireAndIsNotTheRequest) {
+  Line line;
+  line.protocol = std::move(*find_protocol("allen-bradley-df1")->make({1, {}}));
+  line.ask(Instant{}, ReadRequest{{{0, 7000, 1}}});
+  const Bytes request = line.out;
+  const Bytes response = *from_hex("10 06 10 02 00 01 4F 00 01 00 2A 00 10 03 23 01");
+  EXPECT_EQ(line.receive(response, Instant{100ms}), Outcome::kDone);
+  EXPECT_EQ(line.out, *from_hex("10 06"));
+  EXPECT_EQ(line.driver.confirmed_until(), Instant{100ms} + kLine.characters(2));
+  EXPECT_EQ(line.driver.sent_until(),
+            Instant{} + kLine.characters(static_cast<double>(request.size())));
+  EXPECT_EQ(line.driver.sent().size(), request.size());
+  EXPECT_EQ(line.driver.bytes_sent(), request.size() + 2);
+}
+
 TEST(ExchangeDriver, ResponseTimeIsWithoutTheWire) {
   Line line;
   line.ask(Instant{});

@@ -22,7 +22,9 @@ std::uint64_t seeds() {
 std::vector<StormKind> kinds_of_lines() {
   std::vector<StormKind> kinds;
   for (const StormKind& kind : storm_kinds()) {
-    if (kind.port.starts_with("{ serial")) kinds.push_back(kind);
+    // Full duplex of DF1 is a line between two stations.
+    if (kind.port.starts_with("{ serial") && kind.name != "allen-bradley-df1")
+      kinds.push_back(kind);
   }
   return kinds;
 }

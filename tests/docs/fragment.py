@@ -2,7 +2,7 @@
 
 import re
 
-ADDRESSES = {"s7-ppi": "VW0", "s7-freeport": "VW0", "omron-hostlink": "DM0", "mitsubishi-fx": "D0", "mitsubishi-mc": "D0", "mitsubishi-mc-serial": "D0", "dtc": "int16:0"}
+ADDRESSES = {"allen-bradley-df1": "N7:0", "s7-ppi": "VW0", "s7-freeport": "VW0", "omron-hostlink": "DM0", "mitsubishi-fx": "D0", "mitsubishi-mc": "D0", "mitsubishi-mc-serial": "D0", "dtc": "int16:0"}
 LEVELS = ["bridge", "bus", "device", "channels"]
 
 

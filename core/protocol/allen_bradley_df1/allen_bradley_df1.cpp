@@ -247,6 +247,7 @@ const ProtocolEntry& entry() {
       .summary = kTraits.summary,
       .make = make,
       .explain = explain,
+      .seen_request = seen_request,
       .options = kOptions,
       .options_text =
           "`check: bcc` (instead of `crc`), `duplex: half` (master of a multidrop "

@@ -8,4 +8,6 @@ namespace fieldcast::df1 {
 
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
+[[nodiscard]] SeenRequest seen_request(ByteView bytes);
+
 }  // namespace fieldcast::df1

@@ -13,6 +13,15 @@ constexpr std::size_t kMaxExplained = 2048;
 
 std::string hex(std::uint8_t byte) { return to_hex({&byte, 1}); }
 
+// Size of the check that is right for the packet before it; 0: none is.
+std::size_t right_check(ByteView behind, ByteView packet, std::optional<std::uint8_t> station) {
+  for (const Check check : {Check::kCrc, Check::kBcc}) {
+    const std::size_t size = std::min(behind.size(), size_of(check));
+    if (std::ranges::equal(check_of(packet, check, station), behind.first(size))) return size;
+  }
+  return 0;
+}
+
 class Df1Explainer {
  public:
   explicit Df1Explainer(ByteView frame) : frame_(frame) {}
@@ -127,16 +136,12 @@ class Df1Explainer {
 
   void check(ByteView left) {
     const auto station = std::exchange(station_, std::nullopt);
-    const Bytes crc = check_of(data_, Check::kCrc, station);
-    const Bytes bcc = check_of(data_, Check::kBcc, station);
-    const auto begins = [&](const Bytes& right) {
-      return left.size() >= right.size() && std::equal(right.begin(), right.end(), left.begin());
-    };
-    if (begins(crc)) return add(2, "CRC", to_hex(crc));
-    if (begins(bcc)) return add(1, "BCC", to_hex(bcc));
+    const std::size_t right = right_check(left, data_, station);
+    if (right > 0) return add(right, right == 2 ? "CRC" : "BCC", to_hex(left.first(right)));
     left = left.first(std::min<std::size_t>(2, left.size()));
     add(left.size(), "check", to_hex(left),
-        "should be CRC " + to_hex(crc) + " or BCC " + to_hex(bcc));
+        "should be CRC " + to_hex(check_of(data_, Check::kCrc, station)) + " or BCC " +
+            to_hex(check_of(data_, Check::kBcc, station)));
   }
 
   const ByteView frame_;
@@ -152,6 +157,19 @@ class Df1Explainer {
 
 std::vector<FrameField> explain(ByteView frame) {
   return Df1Explainer(frame.first(std::min(frame.size(), kMaxExplained))).run();
+}
+
+// Of a half-duplex master. With full duplex a command is a message of the PLC itself.
+SeenRequest seen_request(ByteView bytes) {
+  if (bytes.size() < 4 || bytes[0] != kDle || bytes[1] != kSoh) return {};
+  const std::size_t at = bytes[2] == kDle ? 4 : 3;
+  if (bytes.size() < at + kSymbol || bytes[at] != kDle || bytes[at + 1] != kStx) return {};
+  const Symbol symbol = parse_symbol(bytes.subspan(at), std::nullopt);
+  const bool whole = symbol.kind == Symbol::Kind::kPacket && symbol.packet.size() >= kHead;
+  if (!whole || (symbol.packet[2] & kReply) != 0) return {};
+  const std::size_t end = at + symbol.size;
+  const std::size_t check = right_check(bytes.subspan(end), symbol.packet, bytes[2]);
+  return {check > 0 ? end + check : 0, true};
 }
 
 }  // namespace fieldcast::df1
