@@ -187,13 +187,12 @@ bool has_name_of_capture(std::string_view path) {
   return path.ends_with(".pcapng") || path.ends_with(".pcap");
 }
 
-ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
-                      std::ostream& err) {
+CaptureEnd read_capture(std::istream& in, const OnFrame& on_frame) {
   pcapng::Reader reader([&](std::uint8_t* to, std::size_t size) {
     in.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(size));
     return static_cast<std::size_t>(in.gcount());
   });
-  std::size_t others = 0;
+  CaptureEnd end;
   auto read = reader.next();
   for (; read && *read; read = reader.next()) {
     const pcapng::ReadPacket& packet = **read;
@@ -201,35 +200,48 @@ ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& re
                          ? parse_upper_pdu(packet.data)
                          : std::nullopt;
     if (!pdu) {
-      ++others;
+      ++end.others;
       continue;
     }
-    report.show({utc_text(packet.at), packet.interface.name, direction_of(packet, *pdu),
-                 protocol_of(*pdu), Bytes(pdu->frame.begin(), pdu->frame.end()), packet.comment});
+    on_frame({utc_text(packet.at), packet.interface.name, direction_of(packet, *pdu),
+              protocol_of(*pdu), Bytes(pdu->frame.begin(), pdu->frame.end()), packet.comment});
   }
+  if (!read) end.fault = read.error();
+  end.offset = reader.offset();
+  end.dropped = reader.dropped();
+  return end;
+}
+
+void explain_fault(const CaptureEnd& end, const std::string& name, std::size_t frames,
+                   std::ostream& err) {
+  err << fmt::format("fieldcast inspect: {} {}", printable(name), to_text(*end.fault));
+  if (!end.is_no_capture())
+    err << fmt::format(" at byte {}; {} before it", end.offset, counted(frames, "frame", "frames"));
+  err << '\n';
+}
+
+ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
+                      std::ostream& err) {
+  const CaptureEnd end = read_capture(in, [&](const SeenFrame& frame) { report.show(frame); });
   const std::string frames = counted(report.frames(), "frame", "frames");
-  if (!read) {
-    const bool none =
-        read.error() == pcapng::Fault::kNoCapture || read.error() == pcapng::Fault::kOldFormat;
-    err << fmt::format("fieldcast inspect: {} {}", printable(name), to_text(read.error()));
-    if (!none) err << fmt::format(" at byte {}; {} before it", reader.offset(), frames);
-    err << '\n';
-    return none ? ExitCode::kUsage : ExitCode::kFound;
+  if (end.fault) {
+    explain_fault(end, name, report.frames(), err);
+    return end.is_no_capture() ? ExitCode::kUsage : ExitCode::kFound;
   }
   err << fmt::format("fieldcast inspect: {}, {} with a fault", frames, report.faulty());
-  if (reader.dropped() > 0) err << fmt::format(", {} missing", reader.dropped());
-  if (others > 0)
-    err << fmt::format("; {} not from a bus", counted(others, "packet is", "packets are"));
+  if (end.dropped > 0) err << fmt::format(", {} missing", end.dropped);
+  if (end.others > 0)
+    err << fmt::format("; {} not from a bus", counted(end.others, "packet is", "packets are"));
   err << '\n';
   return report.faulty() > 0 ? ExitCode::kFound : ExitCode::kOk;
 }
 
-bool show_trace(std::string_view text, FrameReport& report) {
+bool read_trace(std::string_view text, const OnFrame& on_frame, const OnRemark& on_remark) {
   bool any = false;
   // By bus: a response arrives in pieces and ends when another line follows.
   std::map<std::string, SeenFrame> responses;
   const auto end_response = [&](const std::string& bus) {
-    if (const auto response = responses.extract(bus)) report.show(response.mapped());
+    if (const auto response = responses.extract(bus)) on_frame(response.mapped());
   };
   while (!text.empty()) {
     const auto end = text.find('\n');
@@ -250,12 +262,18 @@ bool show_trace(std::string_view text, FrameReport& report) {
     }
     end_response(bus);
     if (line->mark == TraceText::Mark::kRemark)
-      report.remark(time, bus, std::string(line->text));
+      on_remark(time, bus, std::string(line->text));
     else
-      report.show({time, bus, Direction::kSent, {}, std::move(line->bytes), {}});
+      on_frame({time, bus, Direction::kSent, {}, std::move(line->bytes), {}});
   }
   while (!responses.empty()) end_response(std::string(responses.begin()->first));
   return any;
+}
+
+bool show_trace(std::string_view text, FrameReport& report) {
+  return read_trace(
+      text, [&](const SeenFrame& frame) { report.show(frame); },
+      [&](const auto&... words) { report.remark(words...); });
 }
 
 }  // namespace fieldcast::cli

@@ -1,6 +1,7 @@
 // Explains frames of a capture or trace; with a configuration, also the values. Main thread.
 #pragma once
 
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <string_view>
 
 #include "core/capture/capture_record.hpp"
+#include "core/capture/pcapng_reader.hpp"
 #include "core/model/spec.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"
 #include "tools/cli/model/address_notation.hpp"
@@ -64,6 +66,27 @@ class FrameReport {
 
 // "x.pcapng": such a word is never a protocol.
 [[nodiscard]] bool has_name_of_capture(std::string_view path);
+
+using OnFrame = std::function<void(const SeenFrame&)>;
+using OnRemark =
+    std::function<void(const std::string& time, const std::string& bus, const std::string& text)>;
+
+struct CaptureEnd {
+  std::optional<pcapng::Fault> fault;  // the frames before it are valid
+  std::uint64_t offset = 0;            // of the fault
+  std::uint64_t dropped = 0;
+  std::size_t others = 0;  // packets that are not from a bus
+  [[nodiscard]] bool is_no_capture() const {
+    return fault == pcapng::Fault::kNoCapture || fault == pcapng::Fault::kOldFormat;
+  }
+};
+[[nodiscard]] CaptureEnd read_capture(std::istream& in, const OnFrame& on_frame);
+// REQUIRES: the capture has a fault. `frames`: how many precede it.
+void explain_fault(const CaptureEnd& end, const std::string& name, std::size_t frames,
+                   std::ostream& err);
+// False if no line is a line of the trace.
+[[nodiscard]] bool read_trace(std::string_view text, const OnFrame& on_frame,
+                              const OnRemark& on_remark);
 
 // Prints a read fault to `err` after the frames before it. Returns kFound for an invalid frame or a
 // truncated capture, kUsage if it is not a capture.

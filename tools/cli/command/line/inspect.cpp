@@ -13,6 +13,7 @@
 #include "core/base/json.hpp"
 #include "core/capture/trace_text.hpp"
 #include "tools/cli/command/base/command_run.hpp"
+#include "tools/cli/command/line/learn.hpp"
 #include "tools/cli/inspect/frame_report.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/model/sample_text.hpp"
@@ -73,6 +74,7 @@ FrameReport::Options report_options(const InspectOptions& options,
 }  // namespace
 
 ExitCode inspect(const InspectOptions& given, const Streams& to) {
+  if (given.learn) return learn_protocol(given, to);
   InspectOptions options = given;
   std::optional<BridgeSpec> spec;
   if (!options.config.empty()) {
@@ -123,7 +125,9 @@ void describe_inspect(CommandLine& line, InspectOptions& options) {
   line.text("--config", options.config, "Shows values by the channels of this configuration")
       .existing_file();
   line.flag("--fields", options.fields, "Every field of each frame of a capture or a trace");
-  line.flag("--json", options.json, "One JSON object for each frame");
+  line.flag("--learn", options.learn,
+            "Proposes the declaration of an unknown protocol from a capture or a trace");
+  line.flag("--json", options.json, "One JSON object for each frame, or each learned field");
 }
 
 }  // namespace

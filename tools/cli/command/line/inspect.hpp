@@ -14,9 +14,11 @@ struct InspectOptions {
   bool json = false;
   std::string config;   // used to decode values; empty: no decoding
   bool fields = false;  // prints every field of each frame of a capture or trace
+  bool learn = false;   // proposes a declaration; `protocol` is a file, or empty
 };
 
-// Returns kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
+// Returns kFound if a frame is invalid, a capture is truncated or no operation is learned, kUsage
+// for invalid input.
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, const Streams& to);
 
 }  // namespace fieldcast::cli

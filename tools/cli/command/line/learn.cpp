@@ -1,0 +1,144 @@
+#include "tools/cli/command/line/learn.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <istream>
+#include <ostream>
+#include <sstream>
+
+#include "config/loader/loader.hpp"
+#include "core/base/json.hpp"
+#include "tools/cli/inspect/frame_report.hpp"
+#include "tools/cli/inspect/learn/exchange_pairing.hpp"
+#include "tools/cli/inspect/learn/proposal.hpp"
+#include "tools/cli/inspect/learn/proposal_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::size_t kMaxTrace = 64 << 20;  // characters
+
+// The frames of the first bus of the input.
+class LearnedInput {
+ public:
+  void take(const SeenFrame& frame) {
+    if (!bus_) bus_ = frame.bus;
+    if (frame.bus != *bus_ || !frame.direction) {
+      ++others_;
+      return;
+    }
+    pairing_.take(*frame.direction, frame.bytes);
+  }
+  [[nodiscard]] std::string summary() const {
+    std::string text = fmt::format("{} of {}, {} without a response",
+                                   counted(pairing_.frames(), "frame", "frames"),
+                                   bus_ ? printable(*bus_) : "no bus", pairing_.without_response());
+    if (others_ > 0) text += fmt::format("; {} of other buses or without a direction", others_);
+    if (pairing_.left_out() > 0) text += fmt::format("; {} left out", pairing_.left_out());
+    return text;
+  }
+  [[nodiscard]] std::size_t frames() const { return pairing_.frames() + others_; }
+  [[nodiscard]] learn::Proposal proposal() { return learn::learn(pairing_.finish()); }
+
+ private:
+  std::optional<std::string> bus_;
+  learn::ExchangePairing pairing_;
+  std::size_t others_ = 0;
+};
+
+std::string text_of(std::istream& in) {
+  std::string text;
+  for (char c; text.size() < kMaxTrace && in.get(c);) text += c;
+  return text;
+}
+
+// Empty if the input was read.
+std::optional<ExitCode> read_input(const InspectOptions& options, const Streams& to,
+                                   LearnedInput& input) {
+  std::ifstream file(options.protocol, std::ios::binary);
+  if (!options.protocol.empty() && !file) {
+    to.err << fmt::format("fieldcast inspect: {}: {}\n", printable(options.protocol),
+                          errno_text(errno));
+    return ExitCode::kUsage;
+  }
+  const auto take = [&](const SeenFrame& frame) { input.take(frame); };
+  if (!options.protocol.empty() && is_capture(file)) {
+    const CaptureEnd end = read_capture(file, take);
+    if (end.fault) explain_fault(end, options.protocol, input.frames(), to.err);
+    return end.is_no_capture() ? std::optional(ExitCode::kUsage) : std::nullopt;
+  }
+  const std::string text = text_of(options.protocol.empty() ? to.in : file);
+  if (read_trace(text, take, [](const auto&...) {})) return std::nullopt;
+  to.err << "fieldcast inspect: expected a capture (.pcapng), or lines of the bridge's trace such "
+            "as 2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 D4\n";
+  return ExitCode::kUsage;
+}
+
+void print_json(const learn::Proposal& proposal, std::ostream& out) {
+  for (const auto& operation : proposal.operations) {
+    for (const auto& row : learn::rows_of(operation, proposal.text))
+      out << Json{{"operation", operation.name},
+                  {"frame", row.frame},
+                  {"at", row.at},
+                  {"width", row.width},
+                  {"content", row.content},
+                  {"frames", row.frames},
+                  {"of", row.of},
+                  {"note", row.note}}
+                 .text()
+          << '\n';
+  }
+}
+
+// A comment of the declaration, so that the whole output is one.
+void print_table(const learn::Proposal& proposal, std::ostream& out) {
+  for (const auto& operation : proposal.operations) {
+    out << fmt::format("# {}: {}\n", operation.name,
+                       counted(operation.exchanges, "exchange", "exchanges"));
+    TextTable table({{"FRAME"},
+                     {"AT", Align::kRight},
+                     {"WIDTH", Align::kRight},
+                     {"FIELD"},
+                     {"FRAMES", Align::kRight},
+                     {"NOTE"}});
+    for (const auto& row : learn::rows_of(operation, proposal.text))
+      table.add_row({{row.frame},
+                     {std::to_string(row.at)},
+                     {row.width == 0 ? "" : std::to_string(row.width)},
+                     {row.content},
+                     {fmt::format("{}/{}", row.frames, row.of)},
+                     {row.note}});
+    for (const std::string& line : table.render({})) out << "#   " << line << '\n';
+    out << "#\n";
+  }
+}
+
+}  // namespace
+
+ExitCode learn_protocol(const InspectOptions& options, const Streams& to) {
+  LearnedInput input;
+  if (const auto fault = read_input(options, to, input)) return *fault;
+  const learn::Proposal proposal = input.proposal();
+  to.err << fmt::format("fieldcast inspect: {}\n", input.summary());
+  for (const std::string& note : proposal.notes)
+    to.err << fmt::format("fieldcast inspect: {}\n", note);
+  if (options.json) {
+    print_json(proposal, to.out);
+  } else {
+    print_table(proposal, to.out);
+    to.out << learn::declaration_text(proposal);
+  }
+  if (!proposal.is_declarable()) {
+    to.err << "fieldcast inspect: no operation can be declared\n";
+    return ExitCode::kFound;
+  }
+  const auto loaded = config::load_declaration_text(learn::declaration_text(proposal), "proposal");
+  if (loaded) return ExitCode::kOk;
+  to.err << config::to_text(std::span(loaded.error()));
+  return ExitCode::kFound;
+}
+
+}  // namespace fieldcast::cli

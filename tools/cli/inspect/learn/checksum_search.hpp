@@ -1,0 +1,28 @@
+// Finds the checksum of a set of frames by trying: every kind that a declaration has, over each
+// plausible span. Pure.
+#pragma once
+
+#include <string>
+
+#include "core/protocol/declared/declaration.hpp"
+#include "tools/cli/inspect/learn/frames.hpp"
+
+namespace fieldcast::learn {
+
+struct FoundChecksum {
+  std::string kind;  // as a declaration names it: "sum", "lrc", "crc-16/modbus"
+  declared::Check check;
+  declared::Word word;
+  std::size_t from = 0;     // first covered character
+  std::size_t gap = 0;      // characters between the covered ones and the checksum
+  std::size_t trailer = 0;  // characters behind the checksum
+  Evidence evidence;
+  std::size_t values = 0;  // different values of the checksum that fit
+  [[nodiscard]] std::size_t end_size() const { return gap + word.characters + trailer; }
+  [[nodiscard]] bool fits(ByteView frame) const;
+};
+
+// Empty if none fits nearly all frames, or if so few values could fit by chance.
+[[nodiscard]] std::optional<FoundChecksum> find_checksum(const Frames& frames, bool text);
+
+}  // namespace fieldcast::learn

@@ -1,0 +1,45 @@
+#include "tools/cli/inspect/learn/exchange_pairing.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::learn {
+
+void ExchangePairing::keep(Exchange exchange) {
+  if (known_.contains(exchange)) return;
+  if (exchanges_.size() == kMaxExchanges) {
+    ++left_out_;
+    return;
+  }
+  known_.insert(exchange);
+  exchanges_.push_back(std::move(exchange));
+}
+
+void ExchangePairing::take(Direction direction, ByteView frame) {
+  ++frames_;
+  if (frame.empty() || frame.size() > kMaxFrame) {
+    ++left_out_;
+    return;
+  }
+  Bytes bytes(frame.begin(), frame.end());
+  if (direction == Direction::kSent) {
+    if (!request_.empty()) ++without_response_;
+    request_ = std::move(bytes);
+    return;
+  }
+  keep({std::move(request_), std::move(bytes)});
+  request_.clear();
+}
+
+std::vector<Exchange> ExchangePairing::finish() {
+  if (!request_.empty()) ++without_response_;
+  // What a device sends between its responses is not a response.
+  const auto asked = [](const Exchange& each) { return !each.request.empty(); };
+  if (std::ranges::any_of(exchanges_, asked)) {
+    const auto before = exchanges_.size();
+    std::erase_if(exchanges_, [&](const Exchange& each) { return !asked(each); });
+    left_out_ += before - exchanges_.size();
+  }
+  return std::move(exchanges_);
+}
+
+}  // namespace fieldcast::learn
