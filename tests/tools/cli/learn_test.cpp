@@ -200,6 +200,7 @@ class FrameLines {
                            field.check.crc.final_xor, field.check.crc.reflect_in,
                            field.check.crc.reflect_out, field.check.over_bytes ? " bytes" : "");
         break;
+      case FieldKind::kSequence: text = "sequence " + word(field); break;
       default: text = "unused " + word(field); break;
     }
     lines_.push_back(edge(i) + ' ' + text);
@@ -427,6 +428,135 @@ TEST(Learn, KeyenceKv) {
   }
   const auto learned = declared_by(plant.learned());
   expect_same(*learned, plant.declaration(), {"read registers"});
+}
+
+TEST(Learn, DeltaDvpAscii) {
+  Plant plant("delta-dvp-ascii");
+  read_all(plant, {"1", "5", "26"}, {"D", "M"}, {0, 100, 300, 1000}, {1, 2, 9, 40});
+  const auto learned = declared_by(plant.learned());
+  expect_same(*learned, plant.declaration(), {"read registers", "read relays"});
+}
+
+// One exchange of Modbus TCP: 16 bits of transaction, protocol 0, length, unit, PDU.
+void take_tcp(Plant& plant, std::uint16_t transaction, std::uint8_t unit, std::uint16_t first,
+              std::uint8_t count) {
+  Bytes request, response;
+  append_u16(request, transaction);
+  append(request, Bytes{0, 0, 0, 6, unit, 3});
+  append_u16(request, first);
+  append(request, Bytes{0, count});
+  append_u16(response, transaction);
+  append(response, Bytes{0, 0, 0, static_cast<std::uint8_t>(3 + 2 * count), unit, 3,
+                         static_cast<std::uint8_t>(2 * count)});
+  for (int i = 0; i < 2 * count; ++i) response.push_back(static_cast<std::uint8_t>(plant.random()));
+  plant.take(request, response);
+}
+
+TEST(Learn, SequenceNumber) {
+  Plant plant("modbus-rtu-declared");
+  for (std::uint16_t i = 0; i < 300; ++i)
+    take_tcp(plant, static_cast<std::uint16_t>(0x1FE0 + i), static_cast<std::uint8_t>(1 + i % 3),
+             static_cast<std::uint16_t>(plant.random() % 5000),
+             static_cast<std::uint8_t>(1 + plant.random() % 20));
+  const auto learned = declared_by(plant.learned());
+  ASSERT_EQ(learned->operations.size(), 1u);
+  EXPECT_EQ(lines_of(learned->operations[0], false),
+            (Lines{"0 sequence 2b", "2 fixed 00 00", "4 length 2b of 6..-0 plus 0 counts 0",
+                   "6 address 1b", "7 fixed 03", "8 first 2b", "10 count 2b"}));
+  EXPECT_EQ(
+      lines_of(learned->operations[0], true),
+      (Lines{"0 sequence 2b", "2 fixed 00 00", "4 length 2b of 6..-0 plus 0 counts 0",
+             "6 address 1b", "7 fixed 03", "8 length 1b of 9..-0 plus 0 counts 0", "9 items 2b"}));
+}
+
+// The loader accepts what is proposed for any frames; the limits of the learner bound its time.
+void expect_valid(ExchangePairing& pairing) {
+  const Proposal proposal = learn(pairing.finish());
+  for (const LearnedOperation& operation : proposal.operations)
+    EXPECT_FALSE(rows_of(operation, proposal.text).empty() && operation.refusal.empty());
+  if (proposal.is_declarable()) (void)declared_by(proposal);
+}
+
+TEST(LearnHostile, NothingIsLearnedFromNothing) {
+  ExchangePairing pairing;
+  const Proposal proposal = learn(pairing.finish());
+  EXPECT_TRUE(proposal.operations.empty());
+  EXPECT_FALSE(proposal.is_declarable());
+  EXPECT_EQ(declaration_text(proposal), "");
+}
+
+TEST(LearnHostile, OneFrame) {
+  for (const Direction direction : {Direction::kSent, Direction::kReceived}) {
+    for (const char* hex : {"00", "FF", "41", "01 03 00 00 00 01 84 0A", "0D 0A"}) {
+      ExchangePairing pairing;
+      pairing.take(direction, *from_hex(hex));
+      expect_valid(pairing);
+    }
+  }
+}
+
+TEST(LearnHostile, RandomFramesOfAnyLength) {
+  for (const std::size_t longest : {1u, 4u, 40u, 300u, 5000u}) {
+    std::mt19937 random(static_cast<unsigned>(longest));
+    ExchangePairing pairing;
+    for (int i = 0; i < 100'000 / static_cast<int>(1 + longest / 40); ++i) {
+      Bytes frame(random() % (longest + 1));
+      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random());
+      pairing.take(random() % 2 == 0 ? Direction::kSent : Direction::kReceived, frame);
+    }
+    EXPECT_LE(pairing.frames(), 100'000u);
+    const auto exchanges = pairing.finish();
+    EXPECT_LE(exchanges.size(), ExchangePairing::kMaxExchanges);
+    const Proposal proposal = learn(exchanges);
+    EXPECT_LE(proposal.operations.size(), kMaxGroups);
+    if (proposal.is_declarable()) (void)declared_by(proposal);
+  }
+}
+
+// Few letters make many repeated columns, separators and lengths.
+TEST(LearnHostile, RandomTexts) {
+  static constexpr std::string_view kLetters = "0019AF #.,-+\r\n\x02\x03";
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    ExchangePairing pairing;
+    const std::size_t longest = 1 + random() % 30, letters = 1 + random() % kLetters.size();
+    for (int i = 0; i < 60; ++i) {
+      Bytes frame(1 + random() % longest);
+      for (std::uint8_t& c : frame) c = static_cast<std::uint8_t>(kLetters[random() % letters]);
+      pairing.take(i % 2 == 0 ? Direction::kSent : Direction::kReceived, frame);
+    }
+    expect_valid(pairing);
+  }
+}
+
+// Frames of a protocol with bytes that differ, are missing or are too many.
+TEST(LearnHostile, DamagedFrames) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::mt19937 random(seed);
+    ExchangePairing pairing;
+    const auto damaged = [&](Bytes frame) {
+      const unsigned kind = random() % 8;
+      if (kind == 0) frame[random() % frame.size()] ^= static_cast<std::uint8_t>(random());
+      if (kind == 1) frame.resize(1 + random() % frame.size());
+      if (kind == 2) frame.insert(frame.begin() + random() % frame.size(), 0x30);
+      return frame;
+    };
+    for (std::uint8_t i = 0; i < 60; ++i) {
+      const auto count = static_cast<std::uint8_t>(1 + random() % 4);
+      Bytes request{static_cast<std::uint8_t>(1 + random() % 3),
+                    static_cast<std::uint8_t>(3 + random() % 2),
+                    0,
+                    i,
+                    0,
+                    count};
+      Bytes response{request[0], request[1], static_cast<std::uint8_t>(2 * count)};
+      for (int item = 0; item < 2 * count; ++item)
+        response.push_back(static_cast<std::uint8_t>(random()));
+      pairing.take(Direction::kSent, damaged(request));
+      pairing.take(Direction::kReceived, damaged(response));
+    }
+    expect_valid(pairing);
+  }
 }
 
 }  // namespace

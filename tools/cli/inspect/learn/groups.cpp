@@ -62,7 +62,7 @@ std::optional<std::ptrdiff_t> letter_column(const Group& group, std::size_t end_
 }
 
 // Description length: a group whose responses follow a rule costs little.
-std::size_t cost_of(const std::vector<Group>& groups) {
+std::size_t cost_of(const std::vector<Group>& groups, bool text) {
   std::size_t cost = 0;
   for (const Group& group : groups) {
     const std::size_t size = group.requests.size(), tried = std::min(size, kMaxTried);
@@ -71,19 +71,24 @@ std::size_t cost_of(const std::vector<Group>& groups) {
     const Frames responses(group.responses.begin(),
                            group.responses.begin() + static_cast<std::ptrdiff_t>(tried));
     const auto rule =
-        find_length_rule(requests, responses, false, [](auto at, auto) { return at > 0; });
+        find_length_rule(requests, responses, text, [](auto at, auto) { return at > 0; });
     const bool same_size = shortest(group.requests) == longest(group.requests);
     cost += rule && same_size ? 2 + size - size * rule->evidence.holds / tried : size;
   }
   return cost;
 }
 
-std::vector<Group> divided_by(const std::vector<Group>& groups, std::ptrdiff_t column) {
+std::vector<Group> divided_by(const std::vector<Group>& groups, std::ptrdiff_t column,
+                              std::ptrdiff_t width = 1) {
   std::vector<Group> all;
   for (const Group& group : groups) {
-    for (Group& part :
-         divided(group, [&](ByteView request) { return byte_at(request, column).value_or(0); }))
-      all.push_back(std::move(part));
+    const auto key = [&](ByteView request) {
+      Bytes bytes;
+      for (std::ptrdiff_t i = column; i < column + width; ++i)
+        bytes.push_back(byte_at(request, i).value_or(0));
+      return bytes;
+    };
+    for (Group& part : divided(group, key)) all.push_back(std::move(part));
   }
   return all;
 }
@@ -172,16 +177,36 @@ class Finder {
         out_.groups.insert(out_.groups.end(), parts.begin() + 1, parts.end());
       }
     }
+    divide_by_digits();
+  }
+
+  // Two digits that the responses repeat, if the responses then follow a rule.
+  void divide_by_digits() {
+    std::size_t best = cost_of(out_.groups, true);
+    const auto whole = out_.groups;
+    const auto is_digit = [&](std::ptrdiff_t column) {
+      return std::ranges::all_of(whole, [&](const Group& group) {
+        return is_digit_column(group.requests, column) && echo_of(group, column, 0).holds_mostly();
+      });
+    };
+    for (std::ptrdiff_t column = 1; column < kMaxCommandAt && whole.size() < kMaxGroups; ++column) {
+      if (!is_digit(column) || !is_digit(column + 1)) continue;
+      const auto values = different(in_order_, column, column + 2);
+      if (values < 2 || values > kMaxCommands) continue;
+      auto parts = divided_by(whole, column, 2);
+      const std::size_t cost = cost_of(parts, true);
+      if (cost < best) best = cost, out_.groups = std::move(parts);
+    }
   }
 
   void divide_binary() {
-    std::size_t best = cost_of(out_.groups);
+    std::size_t best = cost_of(out_.groups, false);
     const auto whole = out_.groups;
     for (std::ptrdiff_t column = 0; column < kMaxCommandAt; ++column) {
       const auto values = values_at(whole.front().requests, column);
       if (values.size() < 2 || values.size() > kMaxCommands) continue;
       auto parts = divided_by(whole, column);
-      const std::size_t cost = cost_of(parts);
+      const std::size_t cost = cost_of(parts, false);
       if (cost >= best) continue;
       best = cost;
       out_.groups = std::move(parts);
@@ -200,8 +225,11 @@ class Finder {
   void find_sequence() {
     for (const Echoed& each : echoes_) {
       if (!is_counter(in_order_, each.column)) continue;
-      out_.roles.sequence = {each.column, 1, true, each.evidence, ""};
-      std::erase_if(echoes_, [&](const Echoed& other) { return other.column == each.column; });
+      Columns& sequence = out_.roles.sequence;
+      sequence = {each.column, 1, true, each.evidence, ""};
+      if (is_echoed(each.column - 1) || constant_at(in_order_, each.column - 1) == 0)
+        --sequence.at, sequence.width = 2;
+      std::erase_if(echoes_, [&](const Echoed& other) { return sequence.holds(other.column); });
       return;
     }
   }
@@ -314,7 +342,8 @@ class Finder {
     for (const std::int64_t plus : {0x80, 0}) {
       for (std::ptrdiff_t column = end; column < end + 3; ++column) {
         const auto value = constant_at(requests_of(out_.groups), column);
-        if (!value || !echo_of(out_.groups.front(), column, roles.shift, plus).holds_mostly())
+        if (!value || *value == 0 ||
+            !echo_of(out_.groups.front(), column, roles.shift, plus).holds_mostly())
           continue;
         roles.command = {column, 1, true, {}, "always the same: a guess"};
         return;

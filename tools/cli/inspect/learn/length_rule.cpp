@@ -25,10 +25,10 @@ struct Size {
   unsigned times, shared;
 };
 constexpr Size kBinarySizes[] = {{2, 1}, {4, 1}, {8, 1}, {1, 1}, {1, 8}};
-constexpr Size kTextSizes[] = {{4, 1}, {8, 1}, {2, 1}, {16, 1}, {5, 1}, {6, 1}, {1, 1}};
+constexpr Size kTextSizes[] = {{4, 1}, {8, 1}, {2, 1}, {16, 1}, {5, 1}, {6, 1}, {1, 1}, {2, 8}};
 
 std::size_t size_of(const LengthRule& rule, std::uint64_t items) {
-  return static_cast<std::size_t>((items * rule.times + rule.shared - 1) / rule.shared);
+  return static_cast<std::size_t>((items + rule.shared - 1) / rule.shared * rule.times);
 }
 
 // The most frequent base, with its evidence.
@@ -70,13 +70,14 @@ std::optional<LengthRule> find_length_rule(const Frames& requests, const Frames&
     set_base(rule, requests, responses);
     if (rule.evidence.holds > best.evidence.holds) best = rule;
   };
-  for (const declared::Word& word : words(text)) {
-    for (std::size_t at = 0; at + word.characters <= end; ++at) {
-      if (!may_use(at, word.characters)) continue;
-      const bool pair =
-          at + 2u * word.characters <= end && may_use(at + word.characters, word.characters);
-      for (const Size& size :
-           text ? std::span<const Size>(kTextSizes) : std::span<const Size>(kBinarySizes)) {
+  // Packed bits last: a number of one more digit can fit them by chance.
+  for (const Size& size :
+       text ? std::span<const Size>(kTextSizes) : std::span<const Size>(kBinarySizes)) {
+    for (const declared::Word& word : words(text)) {
+      for (std::size_t at = 0; at + word.characters <= end; ++at) {
+        if (!may_use(at, word.characters)) continue;
+        const bool pair =
+            at + 2u * word.characters <= end && may_use(at + word.characters, word.characters);
         LengthRule rule{static_cast<std::ptrdiff_t>(at), word, false, size.times, size.shared};
         consider(rule);
         rule.is_last = true;

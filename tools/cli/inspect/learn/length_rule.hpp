@@ -12,8 +12,8 @@ struct LengthRule {
   std::ptrdiff_t at = -1;  // of the count in the request; -1: the length is constant
   declared::Word word;
   bool is_last = false;  // `at` is the first item, and the last one follows it
-  unsigned times = 0;    // characters of one item
-  unsigned shared = 1;   // items in one character: 8 for bits
+  unsigned times = 0;    // characters of `shared` items
+  unsigned shared = 1;   // 8 for bits
   std::size_t base = 0;  // other characters of the response
   Evidence evidence;
   std::uint64_t lowest = 0, highest = 0;  // items

@@ -14,6 +14,7 @@ using declared::FieldKind;
 using declared::Notation;
 
 constexpr std::size_t kNeededPacked = 16;  // different bytes
+constexpr std::uint64_t kMaxItem = 0xFE00'0000;
 
 // A word of so many columns, decimal if no digit is above 9.
 declared::Word word_at(const Frames& frames, std::ptrdiff_t at, std::size_t width, bool text) {
@@ -39,6 +40,9 @@ class OperationBuilder {
     if (!group_.requests.front().empty()) build_request();
     if (out_.refusal.empty()) build_response();
     set_first_range();
+    const bool values = std::ranges::find(out_.response, FieldKind::kValue, &LearnedField::kind) !=
+                        out_.response.end();
+    if (out_.request.empty() && !values) refuse("no value differs");
     return std::move(out_);
   }
 
@@ -61,6 +65,7 @@ class OperationBuilder {
       out_.highest_first = std::max(out_.highest_first, *number);
     }
     out_.lowest_first = std::min(out_.lowest_first, out_.highest_first);
+    if (out_.highest_first > kMaxItem) refuse("the numbers of items are too large");
   }
 
   [[nodiscard]] LearnedField field(FieldKind kind, const Columns& columns,
@@ -220,7 +225,12 @@ class OperationBuilder {
       const auto is_zero = [&](std::ptrdiff_t column) {
         return layout.is_free(column, 1) && constant_at(group_.requests, column) == '0';
       };
-      while (is_zero(at - 1)) --at;
+      // Behind a known command all digits are those of the item.
+      const auto is_digit = [&](std::ptrdiff_t column) {
+        return layout.is_free(column, 1) && roles_.command.width != 0 &&
+               is_decimal_digit(constant_at(group_.requests, column).value_or(0));
+      };
+      while (is_zero(at - 1) || is_digit(at - 1)) --at;
       while (last < end && is_zero(last)) ++last;
     }
     made.at = at;
@@ -278,7 +288,9 @@ class OperationBuilder {
     }
     for (const LengthField& each : response_lengths_)
       add_length(layout, each, response_end_.size, response_spans_);
-    if (numbered || counted)
+    if (counted && !numbered)
+      return refuse("all requests begin at the same item: read other items too");
+    if (numbered)
       add_items(layout, head, counted);
     else
       add_values(layout, head);
@@ -360,7 +372,7 @@ class OperationBuilder {
     items.bits = shared > 1;
     items.word = text_ ? digits(Notation::kHex, times) : binary(times);
     out_.item_bits = shared > 1 || (text_ && times % 2 != 0) ? 1 : times * (text_ ? 4 : 8);
-    if (text_ && times > 1 && times % 2 != 0) {
+    if (text_ && (times == 5 || times == 6)) {
       items.word = digits(Notation::kDecimal, times);
       out_.item_bits = 16;
     }

@@ -72,7 +72,7 @@ std::string add_text(const LearnedField& field) {
 }
 
 std::string items_text(const LearnedField& field, unsigned item_bits) {
-  if (field.bits) return "";
+  if (field.bits) return field.word.notation == Notation::kHex ? ", as: hex" : "";
   if (item_bits == 1) return ", as: hex, digits: 1, on: 1, off: 0";
   if (field.word.notation == Notation::kHex) return ", as: hex";
   if (field.word.notation == Notation::kBcd) return number_text(field.word) + add_text(field);
