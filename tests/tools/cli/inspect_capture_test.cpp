@@ -116,6 +116,70 @@ TEST_F(InspectCapture, ACaptureOfOthersHasNoComments) {
               HasSubstr("meter/voltage = 230.1 V"));
 }
 
+// Requests and responses of two devices, with a sum as checksum.
+template <typename Add>
+void add_instruments(const Add& add) {
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    const auto finished = [](Bytes frame) {
+      unsigned sum = 0;
+      for (const std::uint8_t byte : frame) sum += byte;
+      frame.push_back(static_cast<std::uint8_t>(sum));
+      return to_hex(frame);
+    };
+    const auto device = static_cast<std::uint8_t>(1 + i % 2);
+    add(Direction::kSent, finished({0xAA, device, 0x01}));
+    add(Direction::kReceived, finished({0xAA, device, static_cast<std::uint8_t>(7 * i),
+                                        static_cast<std::uint8_t>(200 - i)}));
+  }
+}
+
+TEST_F(InspectCapture, LearnPrintsADeclaration) {
+  Bytes bytes = head();
+  add_instruments([&](Direction direction, const std::string& hex) { add(bytes, direction, hex); });
+  const auto shown = run({.protocol = file(bytes), .learn = true});
+  EXPECT_EQ(shown.code, ExitCode::kOk) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("#   request    1      1  is: address"));
+  EXPECT_THAT(shown.out, HasSubstr("- { is: checksum, kind: sum, of: constant..value-1 }\n"));
+  EXPECT_THAT(shown.err, HasSubstr("40 frames of line, 0 without a response"));
+  EXPECT_THAT(shown.err, HasSubstr("the proposal explains 40 of 40 different frames"));
+  // The output is a declaration as it is.
+  EXPECT_TRUE(config::load_declaration_text(shown.out, "mine.yaml"));
+}
+
+TEST_F(InspectCapture, LearnReadsATraceOfTheFirstBus) {
+  std::string trace = "not a line of the trace\n";
+  add_instruments([&](Direction direction, const std::string& hex) {
+    trace += "2026-11-22T14:24:21.126358Z line " +
+             std::string(direction == Direction::kSent ? ">> " : "<< ") + hex + '\n';
+  });
+  trace += "2026-11-22T14:24:21.126358Z other >> 01 02\n";
+  const auto shown = run({.learn = true}, trace);
+  EXPECT_EQ(shown.code, ExitCode::kOk) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("is: checksum, kind: sum"));
+  EXPECT_THAT(shown.err, HasSubstr("; 1 of other buses or without a direction"));
+}
+
+TEST_F(InspectCapture, LearnPrintsJsonLines) {
+  Bytes bytes = head();
+  add_instruments([&](Direction direction, const std::string& hex) { add(bytes, direction, hex); });
+  const auto shown = run({.protocol = file(bytes), .json = true, .learn = true});
+  const auto row = parsed(shown.out.substr(0, shown.out.find('\n')));
+  EXPECT_EQ(row["operation"], "operation 1");
+  EXPECT_EQ(row["frame"], "request");
+  EXPECT_EQ(row["at"], 0);
+  EXPECT_EQ(row["content"], "constant: 0xAA");
+}
+
+TEST_F(InspectCapture, LearnRefusesWhatHasNoFrames) {
+  const auto empty = run({.protocol = file(head()), .learn = true});
+  EXPECT_EQ(empty.code, ExitCode::kFound);
+  EXPECT_THAT(empty.err, HasSubstr("no operation can be declared"));
+  EXPECT_EQ(empty.out, "");
+  EXPECT_EQ(run({.protocol = folder_ + "/missing.pcapng", .learn = true}).code, ExitCode::kUsage);
+  EXPECT_EQ(run({.protocol = config_, .learn = true}).code, ExitCode::kUsage);
+  EXPECT_EQ(run({.learn = true}, "01 03 00").code, ExitCode::kUsage);
+}
+
 TEST_F(InspectCapture, WithoutAConfigurationFramesAreExplained) {
   Bytes bytes = head();
   add(bytes, Direction::kSent, kRequest);

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "config/loader/loader.hpp"
+#include "core/codec/checksum.hpp"
 #include "tools/cli/inspect/learn/proposal.hpp"
 #include "tools/cli/inspect/learn/proposal_text.hpp"
 #include "tools/sim/check/requests.hpp"
@@ -70,7 +71,8 @@ class Plant {
   // A text of a place.
   std::function<std::string(const declared::Place&)> text_of;
 
-  Proposal learned() { return learn(pairing_.finish()); }
+  Proposal learned() { return learn(exchanges = pairing_.finish()); }
+  std::vector<Exchange> exchanges;
   const Declaration& declaration() const { return *declaration_; }
   std::mt19937 random{7};
 
@@ -235,6 +237,15 @@ std::shared_ptr<const Declaration> declared_by(const Proposal& proposal) {
   return loaded->value;
 }
 
+// The declaration finds no fault in any frame of the capture.
+std::shared_ptr<const Declaration> declared_by(Plant& plant) {
+  const auto learned = declared_by(plant.learned());
+  const Evidence explained = explained_by(*learned, plant.exchanges);
+  EXPECT_EQ(explained.holds, explained.of);
+  EXPECT_EQ(explained.of, 2 * plant.exchanges.size());
+  return learned;
+}
+
 const declared::Operation& operation(const Declaration& declaration, std::string_view name) {
   const auto found = std::ranges::find(declaration.operations, name, &declared::Operation::name);
   if (found == declaration.operations.end()) throw std::runtime_error(std::string(name));
@@ -281,7 +292,7 @@ TEST(Learn, ModbusRtu) {
 TEST(Learn, DeltaDvpRtu) {
   Plant plant("delta-dvp-rtu");
   read_all(plant, {"1", "5"}, {"D", "M"}, {0, 100, 300, 1000}, {1, 2, 9, 40});
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   Declaration expected = plant.declaration();
   expect_same(*learned, expected, {"read registers", "read relays"});
 }
@@ -293,14 +304,14 @@ TEST(Learn, Dlt645) {
     for (const std::uint32_t first : {0u, 1u, 2u, 3u, 0x100u, 0x200u, 0x010000u, 0x020100u})
       plant.read({"energy", first});
   }
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(), {"read energy"});
 }
 
 TEST(Learn, FatekFacon) {
   Plant plant("fatek-facon");
   read_all(plant, {"1", "2", "26"}, {"R", "X", "D"}, {0, 15, 100, 1234}, {1, 2, 12, 40});
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(),
               {"read registers R", "read inputs", "read registers D"});
 }
@@ -308,7 +319,7 @@ TEST(Learn, FatekFacon) {
 TEST(Learn, PanasonicMewtocol) {
   Plant plant("panasonic-mewtocol");
   read_all(plant, {"1", "2", "18"}, {"DT", "LD"}, {0, 15, 100, 1234}, {1, 2, 12, 20});
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(), {"read data registers", "read link registers"});
 }
 
@@ -322,7 +333,7 @@ TEST(Learn, Adam4000) {
     plant.use(address);
     for (int i = 0; i < 6; ++i) plant.read({"analog"}), plant.read({"digital"});
   }
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   const Declaration& shipped = plant.declaration();
   ASSERT_EQ(learned->operations.size(), 2u);
   for (const bool response : {false, true})
@@ -345,7 +356,7 @@ TEST(Learn, MtSics) {
     };
     plant.read({"weighing"});
   }
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(), {"read the weight"});
 }
 
@@ -361,7 +372,7 @@ TEST(Learn, Iec62056) {
     };
     plant.read({"readout"});
   }
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   ASSERT_EQ(learned->operations.size(), 2u);  // the greeting is an operation of its own
   const auto& expected = operation(plant.declaration(), "read all values");
   EXPECT_EQ(lines_of(learned->operations[1], false), lines_of(expected, false));
@@ -400,7 +411,7 @@ TEST(Learn, MBus) {
     for (int i = 0; i < 6; ++i) plant.read({"meter"});
   }
   add_shorter(plant);
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   const Declaration& shipped = plant.declaration();
   ASSERT_EQ(learned->operations.size(), 2u);
   EXPECT_EQ(lines_of(learned->operations[0], false), lines_of(shipped.login[0], false));
@@ -426,14 +437,14 @@ TEST(Learn, KeyenceKv) {
     };
     plant.read({"registers"});
   }
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(), {"read registers"});
 }
 
 TEST(Learn, DeltaDvpAscii) {
   Plant plant("delta-dvp-ascii");
   read_all(plant, {"1", "5", "26"}, {"D", "M"}, {0, 100, 300, 1000}, {1, 2, 9, 40});
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   expect_same(*learned, plant.declaration(), {"read registers", "read relays"});
 }
 
@@ -458,7 +469,7 @@ TEST(Learn, SequenceNumber) {
     take_tcp(plant, static_cast<std::uint16_t>(0x1FE0 + i), static_cast<std::uint8_t>(1 + i % 3),
              static_cast<std::uint16_t>(plant.random() % 5000),
              static_cast<std::uint8_t>(1 + plant.random() % 20));
-  const auto learned = declared_by(plant.learned());
+  const auto learned = declared_by(plant);
   ASSERT_EQ(learned->operations.size(), 1u);
   EXPECT_EQ(lines_of(learned->operations[0], false),
             (Lines{"0 sequence 2b", "2 fixed 00 00", "4 length 2b of 6..-0 plus 0 counts 0",
@@ -467,6 +478,69 @@ TEST(Learn, SequenceNumber) {
       lines_of(learned->operations[0], true),
       (Lines{"0 sequence 2b", "2 fixed 00 00", "4 length 2b of 6..-0 plus 0 counts 0",
              "6 address 1b", "7 fixed 03", "8 length 1b of 9..-0 plus 0 counts 0", "9 items 2b"}));
+}
+
+// Modbus RTU by hand; one in twelve requests is refused.
+void take_rtu(Plant& plant, int i, std::uint8_t unit) {
+  const auto count = static_cast<std::uint8_t>(1 + plant.random() % 6);
+  const auto low = static_cast<std::uint8_t>(plant.random()),
+             high = static_cast<std::uint8_t>(plant.random() % 16);
+  Bytes request{unit, 3, high, low, 0, count}, response{unit, 0x83, 2};
+  if (i % 12 != 5) {
+    response = {unit, 3, static_cast<std::uint8_t>(2 * count)};
+    for (int k = 0; k < 2 * count; ++k)
+      response.push_back(static_cast<std::uint8_t>(plant.random()));
+  }
+  append_crc16(request);
+  append_crc16(response);
+  plant.take(request, response);
+}
+
+TEST(Learn, RefusalsAreLeftOut) {
+  Plant plant("modbus-rtu-declared");
+  for (int i = 0; i < 96; ++i) take_rtu(plant, i, static_cast<std::uint8_t>(1 + i % 3));
+  const Proposal proposal = plant.learned();
+  expect_same(*declared_by(proposal), plant.declaration(), {"read holding registers"});
+  EXPECT_THAT(proposal.notes, testing::Contains(HasSubstr("8 exchanges have another length")));
+}
+
+TEST(Learn, OneDeviceIsReported) {
+  Plant plant("modbus-rtu-declared");
+  for (int i = 0; i < 40; ++i) take_rtu(plant, 0, 17);
+  const Proposal proposal = plant.learned();
+  expect_same(*declared_by(proposal), plant.declaration(), {"read holding registers"});
+  EXPECT_THAT(proposal.notes, testing::Contains(HasSubstr("only one device in the capture")));
+}
+
+// A response without a value is a command. A write that carries a value is not declared.
+TEST(Learn, WritesAreComments) {
+  Plant plant("modbus-rtu-declared");
+  read_all(plant, {"1", "2"}, {"holding"}, {0, 100, 300, 1000}, {1, 2, 10});
+  for (std::uint32_t i = 0; i < 12; ++i)
+    plant.write("holding", 40 * i,
+                {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(7 * i)});
+  const Proposal proposal = plant.learned();
+  ASSERT_EQ(proposal.operations.size(), 2u);
+  EXPECT_EQ(proposal.operations[0].refusal, "");
+  EXPECT_NE(proposal.operations[1].refusal, "");
+  EXPECT_THAT(declaration_text(proposal), HasSubstr("  # operation 2, 12 exchanges: "));
+}
+
+// Scales that send by themselves.
+TEST(Learn, FramesWithoutARequest) {
+  ExchangePairing pairing;
+  std::mt19937 random(3);
+  for (int i = 0; i < 40; ++i) {
+    const std::string text = fmt::format("{},GS,{:+09.1f}kg\r\n", i % 3 == 0 ? "ST" : "US",
+                                         static_cast<double>(random() % 100000) / 10 - 2000);
+    pairing.take(Direction::kReceived, Bytes(text.begin(), text.end()));
+  }
+  const auto learned = declared_by(learn(pairing.finish()));
+  ASSERT_EQ(learned->operations.size(), 1u);
+  EXPECT_GT(learned->operations[0].unsolicited, Duration::zero());
+  EXPECT_EQ(lines_of(learned->operations[0], true),
+            (Lines{"0 value text 2 number 0", "2 fixed 2C 47 53 2C", "6 value text 9 number 1",
+                   "15 fixed 6B 67 0D 0A"}));
 }
 
 // The loader accepts what is proposed for any frames; the limits of the learner bound its time.

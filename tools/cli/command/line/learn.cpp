@@ -41,7 +41,7 @@ class LearnedInput {
     return text;
   }
   [[nodiscard]] std::size_t frames() const { return pairing_.frames() + others_; }
-  [[nodiscard]] learn::Proposal proposal() { return learn::learn(pairing_.finish()); }
+  [[nodiscard]] std::vector<learn::Exchange> exchanges() { return pairing_.finish(); }
 
  private:
   std::optional<std::string> bus_;
@@ -121,7 +121,8 @@ void print_table(const learn::Proposal& proposal, std::ostream& out) {
 ExitCode learn_protocol(const InspectOptions& options, const Streams& to) {
   LearnedInput input;
   if (const auto fault = read_input(options, to, input)) return *fault;
-  const learn::Proposal proposal = input.proposal();
+  const auto exchanges = input.exchanges();
+  const learn::Proposal proposal = learn::learn(exchanges);
   to.err << fmt::format("fieldcast inspect: {}\n", input.summary());
   for (const std::string& note : proposal.notes)
     to.err << fmt::format("fieldcast inspect: {}\n", note);
@@ -136,7 +137,12 @@ ExitCode learn_protocol(const InspectOptions& options, const Streams& to) {
     return ExitCode::kFound;
   }
   const auto loaded = config::load_declaration_text(learn::declaration_text(proposal), "proposal");
-  if (loaded) return ExitCode::kOk;
+  if (loaded) {
+    const auto explained = learn::explained_by(*loaded->value, exchanges);
+    to.err << fmt::format("fieldcast inspect: the proposal explains {} of {} different frames\n",
+                          explained.holds, explained.of);
+    return ExitCode::kOk;
+  }
   to.err << config::to_text(std::span(loaded.error()));
   return ExitCode::kFound;
 }

@@ -151,6 +151,25 @@ bool FoundChecksum::fits(ByteView frame) const {
   return bytes && declared::check_of(check, bits, *bytes) == *number;
 }
 
+std::optional<FoundChecksum> find_same_checksum(const Frames& frames, const FoundChecksum& other) {
+  const Frames sample = sample_of(frames);
+  for (std::size_t i = 0; i <= kMaxFrom + 1; ++i) {
+    FoundChecksum found = other;
+    if (i > 0) found.from = i - 1;
+    found.evidence = {0, sample.size()};
+    std::set<std::uint64_t> values;
+    for (const ByteView frame : sample) {
+      if (!found.fits(frame)) continue;
+      ++found.evidence.holds;
+      const auto at = -static_cast<std::ptrdiff_t>(found.trailer + found.word.characters);
+      values.insert(number_at(frame, at, found.word).value_or(0));
+    }
+    found.values = values.size();
+    if (found.evidence.holds_mostly() && (i == 0 || found.values > 1)) return found;
+  }
+  return std::nullopt;
+}
+
 std::optional<FoundChecksum> find_checksum(const Frames& frames, bool text) {
   const Frames sample = sample_of(frames);
   return sample.size() < 2 ? std::nullopt : Search(sample, text).run();

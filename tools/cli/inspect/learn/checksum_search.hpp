@@ -25,4 +25,9 @@ struct FoundChecksum {
 // Empty if none fits nearly all frames, or if so few values could fit by chance.
 [[nodiscard]] std::optional<FoundChecksum> find_checksum(const Frames& frames, bool text);
 
+// The checksum that the frames of the other direction have, if it also fits these: there are few
+// ways to fit, so that few frames suffice.
+[[nodiscard]] std::optional<FoundChecksum> find_same_checksum(const Frames& frames,
+                                                              const FoundChecksum& other);
+
 }  // namespace fieldcast::learn

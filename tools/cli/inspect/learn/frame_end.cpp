@@ -71,7 +71,8 @@ std::vector<LearnedField> with_end(std::vector<LearnedField> fields, const Frame
       if (each.kind != FieldKind::kLength || each.at != at) continue;
       each.of_first = name_from(from);
       if (before_end > 0) each.of_last = fields[before_end - 1].name;
-      if (each.of_first.empty() || each.of_last.empty()) each.kind = FieldKind::kUnused;
+      if (each.of_first.empty() || each.of_last.empty())
+        each.kind = FieldKind::kUnused, each.plus = 0;
     }
   }
   if (end.check && before_end > 0) {

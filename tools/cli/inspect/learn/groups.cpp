@@ -157,6 +157,10 @@ class Finder {
     roles.text = is_text(requests) && is_text(responses);
     roles.request_check = find_checksum(requests, roles.text);
     roles.response_check = find_checksum(responses, roles.text);
+    if (!roles.request_check && roles.response_check)
+      roles.request_check = find_same_checksum(requests, *roles.response_check);
+    if (!roles.response_check && roles.request_check)
+      roles.response_check = find_same_checksum(responses, *roles.request_check);
     end_size_ = roles.request_check ? roles.request_check->end_size() : 0;
     roles.text ? divide_text() : divide_binary();
     find_echoes();

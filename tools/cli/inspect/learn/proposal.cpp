@@ -52,11 +52,21 @@ void set_addresses(Proposal& proposal, const Group& all, const Columns& columns)
     for (const auto c : values_at(all.requests, columns.at + static_cast<std::ptrdiff_t>(i)))
       decimal = decimal && c >> 4 <= 9 && (c & 0xFu) <= 9;
   }
+  const bool hexadecimal =
+      std::ranges::any_of(proposal.operations, [](const LearnedOperation& operation) {
+        return std::ranges::any_of(operation.request, [](const LearnedField& field) {
+          return field.kind == FieldKind::kAddress &&
+                 field.word.notation == declared::Notation::kHex;
+        });
+      });
   proposal.lowest_address = UINT16_MAX;
   for (LearnedOperation& operation : proposal.operations) {
     for (auto* frame : {&operation.request, &operation.response}) {
       for (LearnedField& field : *frame) {
         if (field.kind != FieldKind::kAddress) continue;
+        if (hexadecimal) field.word.notation = declared::Notation::kHex;
+        if (field.word.notation == declared::Notation::kDecimal && field.note.empty())
+          field.note = "hexadecimal if a device above 9 has another digit than here";
         if (decimal && !proposal.text) {
           field.word.notation = declared::Notation::kBcd;
           field.note = "only decimal digits occur; the byte order is a guess";
@@ -137,6 +147,21 @@ Proposal learn(const std::vector<Exchange>& exchanges) {
       }))
     proposal.notes.push_back("responses have no checksum that the catalogue has");
   return proposal;
+}
+
+Evidence explained_by(const declared::Declaration& declaration,
+                      const std::vector<Exchange>& exchanges) {
+  Evidence explained;
+  for (const Exchange& exchange : exchanges) {
+    for (const Bytes& frame : {exchange.request, exchange.response}) {
+      if (frame.empty()) continue;
+      const auto fields = declared::explain(declaration, frame);
+      ++explained.of;
+      if (!fields.empty() && std::ranges::all_of(fields, &std::string::empty, &FrameField::fault))
+        ++explained.holds;
+    }
+  }
+  return explained;
 }
 
 }  // namespace fieldcast::learn

@@ -62,4 +62,8 @@ inline constexpr std::ptrdiff_t kMaxHead = 24;
 
 [[nodiscard]] Proposal learn(const std::vector<Exchange>& exchanges);
 
+// Frames in which the declaration finds no fault.
+[[nodiscard]] Evidence explained_by(const declared::Declaration& declaration,
+                                    const std::vector<Exchange>& exchanges);
+
 }  // namespace fieldcast::learn
