@@ -480,6 +480,26 @@ TEST(Learn, SequenceNumber) {
              "6 address 1b", "7 fixed 03", "8 length 1b of 9..-0 plus 0 counts 0", "9 items 2b"}));
 }
 
+// A bridge that polls its channels asks for few different items: the count of the coils is found by
+// that of the registers, and constant digits belong to the number of the item.
+TEST(Learn, FewDifferentRequests) {
+  for (const std::string protocol : {"modbus-rtu-declared", "fatek-facon"}) {
+    Plant plant(protocol);
+    const bool modbus = protocol == "modbus-rtu-declared";
+    const std::string words = modbus ? "holding" : "R", bits = modbus ? "coil" : "X";
+    for (int i = 0; i < 8; ++i) {
+      plant.use("1");
+      plant.read({words, 0, 2}), plant.read({words, 300, 1}), plant.read({bits, 7, 1});
+      plant.use("26");
+      plant.read({words, 5, 2}), plant.read({words, 1200, 17}), plant.read({bits, 17, 24});
+    }
+    const auto learned = declared_by(plant);
+    expect_same(*learned, plant.declaration(),
+                modbus ? Lines{"read holding registers", "read coils"}
+                       : Lines{"read registers R", "read inputs"});
+  }
+}
+
 // Modbus RTU by hand; one in twelve requests is refused.
 void take_rtu(Plant& plant, int i, std::uint8_t unit) {
   const auto count = static_cast<std::uint8_t>(1 + plant.random() % 6);

@@ -62,13 +62,19 @@ bool LengthRule::fits(ByteView request, ByteView response) const {
 }
 
 std::optional<LengthRule> find_length_rule(const Frames& requests, const Frames& responses,
-                                           bool text, const MayUse& may_use) {
+                                           bool text, const MayUse& may_use,
+                                           const LengthRule* like) {
   LengthRule best;
   set_base(best, requests, responses);
   const std::size_t end = std::min(shortest(requests), kMaxPosition);
   const auto consider = [&](LengthRule rule) {
     set_base(rule, requests, responses);
-    if (rule.evidence.holds > best.evidence.holds) best = rule;
+    const bool preferred = like != nullptr && best.at >= 0 && rule.at == like->at &&
+                           rule.word == like->word && rule.is_last == like->is_last &&
+                           (best.at != like->at || best.word != like->word);
+    if (rule.evidence.holds > best.evidence.holds ||
+        (preferred && rule.evidence.holds == best.evidence.holds))
+      best = rule;
   };
   // Packed bits last: a number of one more digit can fit them by chance.
   for (const Size& size :

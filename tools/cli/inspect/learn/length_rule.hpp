@@ -22,9 +22,11 @@ struct LengthRule {
 };
 // `may_use(at, characters)`: the columns of the request that can be a count.
 using MayUse = std::function<bool(std::size_t at, std::size_t characters)>;
+// `like`: of several rules that fit equally, the one with the count of this rule.
 [[nodiscard]] std::optional<LengthRule> find_length_rule(const Frames& requests,
                                                          const Frames& responses, bool text,
-                                                         const MayUse& may_use);
+                                                         const MayUse& may_use,
+                                                         const LengthRule* like = nullptr);
 
 // A field with the length of its own frame: `without` characters do not count.
 struct LengthField {

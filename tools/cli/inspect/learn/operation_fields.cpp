@@ -29,7 +29,7 @@ declared::Word word_at(const Frames& frames, std::ptrdiff_t at, std::size_t widt
 
 class OperationBuilder {
  public:
-  OperationBuilder(const Group& group, const Roles& roles, const std::vector<LengthField>& known)
+  OperationBuilder(const Group& group, const Roles& roles, const Known& known)
       : group_(group), roles_(roles), known_(known), text_(roles.text) {
     out_.exchanges = group.requests.size();
     request_end_ = end_of(group_.requests, roles.request_check, text_);
@@ -88,7 +88,7 @@ class OperationBuilder {
     add_command(layout);
     layout.add(field(FieldKind::kSequence, roles_.sequence));
     response_lengths_ = find_length_fields(group_.responses, text_);
-    for (const LengthField& each : known_) {
+    for (const LengthField& each : known_.lengths) {
       const auto fits = [&](ByteView frame) { return each.fits(frame); };
       if (response_lengths_.empty() && std::ranges::all_of(group_.responses, fits))
         response_lengths_.push_back(each);
@@ -168,13 +168,17 @@ class OperationBuilder {
     const auto free = [&](std::size_t at, std::size_t width) {
       return layout.is_free(static_cast<std::ptrdiff_t>(at), width);
     };
-    rule_ = find_length_rule(group_.requests, group_.responses, text_, free);
+    rule_ = find_length_rule(group_.requests, group_.responses, text_, free,
+                             known_.rule ? &*known_.rule : nullptr);
+    out_.rule = rule_;
     if (!rule_ || rule_->at < 0) return;
     LearnedField made{.kind = rule_->is_last ? FieldKind::kFirst : FieldKind::kCount,
                       .at = rule_->at,
                       .width = rule_->word.characters,
                       .word = rule_->word};
     made.evidence = rule_->evidence;
+    if (made.word.notation == Notation::kDecimal && made.width > 1 && rule_->highest < 10)
+      made.note = "never above 9: perhaps hexadecimal";
     if (!rule_->is_last) {
       widen(layout, made);
       layout.add(made);
@@ -197,6 +201,9 @@ class OperationBuilder {
     } else if (number.width == 1 && is_zero(number.at - 1)) {
       --number.at, number.width = 2, number.word = binary(2);
       number.note = "the zero before it may be a field of its own";
+    } else if (number.width == 1 && is_zero(number.at + 1)) {
+      number.width = 2, number.word = binary(2);
+      number.note = "the zero behind it may be a field of its own";
     }
   }
 
@@ -222,16 +229,15 @@ class OperationBuilder {
       while (last < end && is_echo(last)) ++last;
     }
     if (text_) {
-      const auto is_zero = [&](std::ptrdiff_t column) {
-        return layout.is_free(column, 1) && constant_at(group_.requests, column) == '0';
+      const auto has_digits = [&](std::ptrdiff_t column) {
+        return layout.is_free(column, 1) &&
+               std::ranges::all_of(values_at(group_.requests, column), is_decimal_digit);
       };
-      // Behind a known command all digits are those of the item.
-      const auto is_digit = [&](std::ptrdiff_t column) {
-        return layout.is_free(column, 1) && roles_.command.width != 0 &&
-               is_decimal_digit(constant_at(group_.requests, column).value_or(0));
-      };
-      while (is_zero(at - 1) || is_digit(at - 1)) --at;
-      while (last < end && is_zero(last)) ++last;
+      // Without a command, digits before it may be a part of the command.
+      while (has_digits(at - 1) &&
+             (roles_.command.width != 0 || constant_at(group_.requests, at - 1) == '0'))
+        --at;
+      while (last < end && has_digits(last)) ++last;
     }
     made.at = at;
     made.width = static_cast<std::size_t>(std::min<std::ptrdiff_t>(last - at, 8));
@@ -421,7 +427,7 @@ class OperationBuilder {
 
   const Group& group_;
   const Roles& roles_;
-  const std::vector<LengthField>& known_;
+  const Known& known_;
   const bool text_;
   LearnedOperation out_;
   FrameEnd request_end_, response_end_;
@@ -435,8 +441,7 @@ class OperationBuilder {
 
 }  // namespace
 
-LearnedOperation fields_of(const Group& group, const Roles& roles,
-                           const std::vector<LengthField>& known) {
+LearnedOperation fields_of(const Group& group, const Roles& roles, const Known& known) {
   return OperationBuilder(group, roles, known).run();
 }
 

@@ -6,8 +6,12 @@
 
 namespace fieldcast::learn {
 
-// `known`: length fields of other operations, for responses that all have one length.
+// What other operations of the protocol show, where the frames of one are too few.
+struct Known {
+  std::vector<LengthField> lengths;  // of responses
+  std::optional<LengthRule> rule;    // of the most exchanges
+};
 [[nodiscard]] LearnedOperation fields_of(const Group& group, const Roles& roles,
-                                         const std::vector<LengthField>& known);
+                                         const Known& known);
 
 }  // namespace fieldcast::learn

@@ -66,7 +66,7 @@ void set_addresses(Proposal& proposal, const Group& all, const Columns& columns)
         if (field.kind != FieldKind::kAddress) continue;
         if (hexadecimal) field.word.notation = declared::Notation::kHex;
         if (field.word.notation == declared::Notation::kDecimal && field.note.empty())
-          field.note = "hexadecimal if a device above 9 has another digit than here";
+          field.note = "no digit above 9: perhaps hexadecimal";
         if (decimal && !proposal.text) {
           field.word.notation = declared::Notation::kBcd;
           field.note = "only decimal digits occur; the byte order is a guess";
@@ -131,9 +131,19 @@ Proposal learn(const std::vector<Exchange>& exchanges) {
     dropped += drop_outliers(group, proposal.text);
     all.requests.insert(all.requests.end(), group.requests.begin(), group.requests.end());
   }
-  const auto lengths = lengths_of(found.groups, proposal.text);
-  for (const Group& group : found.groups)
-    proposal.operations.push_back(fields_of(group, found.roles, lengths));
+  Known known{lengths_of(found.groups, proposal.text), {}};
+  // The second time with the best rule of the first.
+  for (int pass = 0; pass < 2; ++pass) {
+    proposal.operations.clear();
+    for (const Group& group : found.groups)
+      proposal.operations.push_back(fields_of(group, found.roles, known));
+    std::size_t most = 0;
+    for (const LearnedOperation& operation : proposal.operations) {
+      if (!operation.rule || operation.rule->at < 0 || operation.exchanges <= most) continue;
+      most = operation.exchanges;
+      known.rule = operation.rule;
+    }
+  }
   set_addresses(proposal, all, found.roles.address);
   name_operations(proposal.operations);
   check_values(proposal.operations);

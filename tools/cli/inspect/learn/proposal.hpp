@@ -43,7 +43,8 @@ struct LearnedOperation {
   std::uint64_t lowest_count = 1, highest_count = 1;
   std::uint64_t lowest_first = 0, highest_first = 0;
   std::size_t exchanges = 0;
-  std::string refusal;  // why it is not in the declaration; empty if it is
+  std::optional<LengthRule> rule;  // of the length of its responses
+  std::string refusal;             // why it is not in the declaration; empty if it is
 };
 
 struct Proposal {

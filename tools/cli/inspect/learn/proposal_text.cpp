@@ -133,7 +133,8 @@ AreaKind kind_of(const LearnedOperation& operation) {
 // The items that the request can name.
 std::uint64_t items_of(const LearnedOperation& operation) {
   const std::uint64_t origin = origin_of(operation);
-  std::uint64_t items = std::min(operation.highest_first - origin + 65536, kMaxItems);
+  std::uint64_t items =
+      origin == 0 ? 65536 : std::min(operation.highest_first - origin + 65536, kMaxItems);
   for (const LearnedField& field : operation.request) {
     if (field.kind == FieldKind::kFirst)
       items = std::min(items - 1, declared::largest(field.word) - origin) + 1;
