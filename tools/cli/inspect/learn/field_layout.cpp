@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <ranges>
 
 #include "core/codec/digits.hpp"
 
@@ -86,13 +85,17 @@ LearnedField constant_field(const Frames& frames, std::ptrdiff_t at, std::size_t
   return field;
 }
 
-void name_fields(std::vector<LearnedField>& fields) {
+std::string word_of(FieldKind kind) {
   static constexpr const char* kWords[] = {"constant", "address",  "command", "first", "count",
                                            "last",     "length",   "items",   "value", "checksum",
                                            "error",    "sequence", "unused"};
+  return kWords[static_cast<std::size_t>(kind)];
+}
+
+void name_fields(std::vector<LearnedField>& fields) {
   std::map<std::string, unsigned> counts;
   for (LearnedField& field : fields) {
-    const std::string word = kWords[static_cast<std::size_t>(field.kind)];
+    const std::string word = word_of(field.kind);
     const unsigned count = ++counts[word];
     const bool alone = count == 1 && field.kind != FieldKind::kValue;
     // The values of a declaration get their names later, when those of all operations are known.
@@ -120,7 +123,7 @@ std::vector<Token> tokens_of(ByteView text) {
   for (std::size_t i = 0; i < text.size();) {
     Token token{is_number_character(text[i])};
     const std::size_t begin = i;
-    // A sign begins a number, also directly behind another one.
+    // A sign begins a number, also directly behind a number.
     while (i < text.size() && is_number_character(text[i]) == token.number &&
            !(token.number && i > begin && (text[i] == '+' || text[i] == '-')))
       ++i;
@@ -209,9 +212,10 @@ class TextValues {
     for (std::size_t row = 0; row < rows_.size(); ++row)
       least = std::min(least, part(row).size()), most = std::max(most, part(row).size());
     const auto agree = [&](std::ptrdiff_t at) {
-      return std::ranges::all_of(std::views::iota(std::size_t{0}, rows_.size()), [&](auto row) {
-        return byte_at(part(row), at) == byte_at(part(0), at);
-      });
+      for (std::size_t row = 1; row < rows_.size(); ++row) {
+        if (byte_at(part(row), at) != byte_at(part(0), at)) return false;
+      }
+      return true;
     };
     while (head < least && agree(static_cast<std::ptrdiff_t>(head))) ++head;
     while (head + tail < least && agree(-1 - static_cast<std::ptrdiff_t>(tail))) ++tail;

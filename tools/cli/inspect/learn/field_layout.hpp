@@ -40,6 +40,8 @@ class FieldLayout {
 
 [[nodiscard]] LearnedField constant_field(const Frames& frames, std::ptrdiff_t at,
                                           std::size_t width);
+// As a declaration names it: "address".
+[[nodiscard]] std::string word_of(declared::FieldKind kind);
 // Makes the names of a frame unique.
 void name_fields(std::vector<LearnedField>& fields);
 

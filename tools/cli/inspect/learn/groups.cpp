@@ -261,7 +261,7 @@ class Finder {
     if (roles.text || roles.command.width != 0 || !is_echoed(end) ||
         values_at(all, end).size() > kMaxCommands)
       return;
-    // Two repeated numbers, and nothing tells them apart: by custom the address is the first.
+    // Two repeated numbers, which no frame distinguishes: by custom the address is the first.
     roles.command = {end, 1, true, {}, "address and command may be exchanged"};
     out_.groups = divided_by(out_.groups, end);
   }

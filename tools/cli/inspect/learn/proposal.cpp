@@ -41,7 +41,7 @@ std::vector<LengthField> lengths_of(const std::vector<Group>& groups, bool text)
   return all;
 }
 
-// Packed decimal digits, if a long address never has another one.
+// A long address has packed decimal digits, if it never has other digits.
 void set_addresses(Proposal& proposal, const Group& all, const Columns& columns) {
   if (columns.width == 0) {
     proposal.notes.push_back("no address found: one device, or its address never differs");

@@ -4,19 +4,16 @@
 
 #include <algorithm>
 
+#include "tools/cli/inspect/learn/field_layout.hpp"
+
 namespace fieldcast::learn {
 namespace {
 
 using declared::FieldKind;
 using declared::Notation;
 
-constexpr const char* kKinds[] = {"constant", "address",  "command", "first", "count",
-                                  "last",     "length",   "items",   "value", "checksum",
-                                  "error",    "sequence", "unused"};
-
+constexpr std::string_view kResponseKey = "answer";
 constexpr std::uint64_t kMaxItems = 1 << 24;  // of an area
-
-std::string word_of(FieldKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 // "STX", or [0x02, 0x41].
 std::string constant_text(const Bytes& bytes, bool text_protocol) {
@@ -175,7 +172,8 @@ std::string operation_text(const LearnedOperation& operation, std::size_t number
     text += "    unsolicited: 1s  # the usual time between two frames\n";
   else
     text += "    request:\n" + fields_text(operation.request, operation, is_text);
-  return text + "    answer:\n" + fields_text(operation.response, operation, is_text);
+  return text + fmt::format("    {}:\n", kResponseKey) +
+         fields_text(operation.response, operation, is_text);
 }
 
 }  // namespace
