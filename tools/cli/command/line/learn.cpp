@@ -8,8 +8,10 @@
 #include <ostream>
 #include <sstream>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "config/loader/loader.hpp"
 #include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/cli/inspect/frame_report.hpp"
 #include "tools/cli/inspect/learn/exchange_pairing.hpp"
 #include "tools/cli/inspect/learn/proposal.hpp"

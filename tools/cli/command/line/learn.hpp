@@ -1,4 +1,4 @@
-// `fieldcast inspect --learn`: reads frames and prints what core logic proposes for them.
+// `fieldcast inspect --learn`: reads frames and prints a declaration for them. Main thread.
 #pragma once
 
 #include "tools/cli/command/line/inspect.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/base/message_text.hpp"
 #include "tools/cli/inspect/learn/field_layout.hpp"
 
 namespace fieldcast::learn {
@@ -118,6 +119,10 @@ std::string fields_text(const std::vector<LearnedField>& fields, const LearnedOp
   return lines;
 }
 
+std::string count_of(const LearnedOperation& operation) {
+  return counted(operation.exchanges, "exchange", "exchanges");
+}
+
 enum class AreaKind : std::uint8_t { kItems, kRecord, kTrigger };
 AreaKind kind_of(const LearnedOperation& operation) {
   if (operation.item_bits != 0) return AreaKind::kItems;
@@ -159,7 +164,7 @@ std::string area_text(const LearnedOperation& operation, std::size_t number) {
 std::string operation_text(const LearnedOperation& operation, std::size_t number, bool is_text) {
   const bool trigger = kind_of(operation) == AreaKind::kTrigger;
   std::string text = fmt::format(
-      "  - name: {}  # {} exchanges{}\n    {}: area-{}\n", operation.name, operation.exchanges,
+      "  - name: {}  # {}{}\n    {}: area-{}\n", operation.name, count_of(operation),
       trigger ? "; no value in the response: a command" : "", trigger ? "write" : "read", number);
   if (operation.command) text += fmt::format("    command: 0x{:02X}\n", *operation.command);
   if (operation.item_bits != 0 && operation.highest_count > 1) {
@@ -198,8 +203,8 @@ std::string declaration_text(const Proposal& proposal) {
   for (std::size_t i = 0; i < proposal.operations.size(); ++i) {
     const LearnedOperation& operation = proposal.operations[i];
     if (!operation.refusal.empty()) {
-      operations += fmt::format("  # {}, {} exchanges: {}\n", operation.name, operation.exchanges,
-                                operation.refusal);
+      operations +=
+          fmt::format("  # {}, {}: {}\n", operation.name, count_of(operation), operation.refusal);
       continue;
     }
     areas += area_text(operation, i + 1);
