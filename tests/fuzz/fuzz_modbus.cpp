@@ -18,7 +18,7 @@ Range range(Table table, std::uint32_t first, std::uint32_t count) {
 }
 
 void fuzz(ByteView data) {
-  static const std::array<Request, 6> requests{
+  static const std::array<Request, 10> requests{
       ReadRequest{{range(Table::kCoil, 19, 19)}},
       ReadRequest{{range(Table::kHolding, 107, 3)}},
       ReadRequest{{range(Table::kInputRegister, 0, 125)}},
@@ -26,20 +26,29 @@ void fuzz(ByteView data) {
       WriteRequest{.range = range(Table::kCoil, 3, 2), .items = {1, 0}},
       WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}},
                        range(Table::kHolding, 3, 2)},
+      ReadRequest{{range(Table::kFile, 40001, 2), range(Table::kFile, 30009, 2)}},
+      WriteRequest{.range = range(Table::kFile, 40007, 2), .items = {6, 0xAF, 4, 0xBE}},
+      ReadRequest{{range(Table::kIdentity, 244, 16)}},
+      ReadRequest{{range(Table::kIdentity, 0, kObjectCharacters)}},
   };
   static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
   if (data.size() < 2) return;
-  const Request& request = requests[data[0] / 3 % requests.size()];
+  const std::size_t chosen = data[0] / 3 % (requests.size() + 1);
+  const bool stream = chosen == requests.size();  // of the objects that a scan requests
+  const Request& request = requests[stream ? 0 : chosen];
   const Header header{17, 0x1501};
-  ModbusExchange exchange(*framings[data[0] % 3], header, request, {});
+  ModbusExchange exchange(*framings[data[0] % 3], header,
+                          stream ? RequestPdu::basic_identity() : RequestPdu(request, Options{}));
   const Bytes answer(data.begin() + 2, data.end());
   const std::array<std::size_t, 2> cuts{data[1] & 15u, 16u + (data[1] >> 4)};
   const test::Outcome outcome = test::drive(exchange, std::span(&answer, 1), cuts);
-  if (outcome.done()) {
-    const auto* read = std::get_if<ReadRequest>(&request);
-    const unsigned bits = read != nullptr && read->ranges[0].area < 2 ? 1 : 16;
-    const std::size_t size = read != nullptr ? image_bytes(bits, read->ranges[0].count) : 0;
-    if (read != nullptr && outcome.reply.at(0).items.size() != size) std::abort();
+  const auto* read = std::get_if<ReadRequest>(&request);
+  if (outcome.done() && read != nullptr && !stream) {
+    for (std::size_t i = 0; i < read->ranges.size(); ++i) {
+      const Range& one = read->ranges[i];
+      const std::size_t size = image_bytes(areas(false)[one.area].item_bits, one.count);
+      if (outcome.reply.at(i).items.size() != size) std::abort();
+    }
   }
   if (!fuzz::is_explained(data)) return;
   fuzz::check_explanation(explain_rtu(answer), answer.size());

@@ -12,15 +12,20 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, or a reference 00001.., 10001.., 30001.., 40001.. (counted from 1)";
+    "and BIT 0..15, or a reference 00001.., 10001.., 30001.., 40001.. (counted from 1), "
+    "file:F:R, file:F:R.BIT with F 1..65535 and R 0..9999, id:N with N 0..6 or 128..255";
 
 struct Word {
   std::string_view name;
   Table table;
 };
-constexpr std::array kWords{Word{"coil", Table::kCoil}, Word{"input", Table::kInput},
-                            Word{"discrete-input", Table::kInput}, Word{"holding", Table::kHolding},
-                            Word{"input-register", Table::kInputRegister}};
+constexpr std::array kWords{Word{"coil", Table::kCoil},
+                            Word{"input", Table::kInput},
+                            Word{"discrete-input", Table::kInput},
+                            Word{"holding", Table::kHolding},
+                            Word{"input-register", Table::kInputRegister},
+                            Word{"file", Table::kFile},
+                            Word{"id", Table::kIdentity}};
 // Spellings of other tools; only used for the suggestion.
 constexpr std::array kHabits{Word{"coils", Table::kCoil},
                              Word{"inputs", Table::kInput},
@@ -74,12 +79,55 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
                       : std::string(near) + ":" + std::string(rest.empty() ? "0" : rest);
 }
 
+std::optional<std::uint8_t> bit_of_word(std::string_view text) {
+  const auto bit = number(text);
+  return bit && *bit <= 15 ? std::optional(static_cast<std::uint8_t>(*bit)) : std::nullopt;
+}
+ParsedOrFault bit_fault(std::string_view bit, const std::string& whole) {
+  return address_fault("bit " + in_quotes(bit) + " is not 0..15", whole + ".0");
+}
+
+// "4:7", "4:7.3": record 7 of file 4.
+ParsedOrFault parse_record(std::string_view rest) {
+  const std::size_t colon = rest.find(':');
+  const std::string_view file_text = rest.substr(0, colon);
+  const auto file = number(file_text);
+  if (!file || *file == 0 || *file >= kFiles)
+    return address_fault("file " + in_quotes(file_text) + " is not 1..65535", "file:1:0");
+  const std::string prefix = "file:" + std::string(file_text) + ":";
+  if (colon == std::string_view::npos)
+    return address_fault("file " + in_quotes(file_text) + " without a record", prefix + "0");
+  const std::string_view place = rest.substr(colon + 1);
+  const std::size_t dot = place.find('.');
+  const auto record = number(place.substr(0, dot));
+  if (!record || *record >= kRecords)
+    return address_fault("record " + in_quotes(place.substr(0, dot)) + " is not 0..9999",
+                         prefix + "0");
+  const std::uint32_t first = *file * kRecords + *record;
+  if (dot == std::string_view::npos) return address(Table::kFile, first);
+  const auto bit = bit_of_word(place.substr(dot + 1));
+  if (!bit) return bit_fault(place.substr(dot + 1), prefix + std::string(place.substr(0, dot)));
+  return address(Table::kFile, first, bit);
+}
+
+// "0": vendor. Objects 7..127 are reserved (V1.1b3, 6.21).
+ParsedOrFault parse_object(std::string_view rest) {
+  const auto object = number(rest);
+  if (!object || *object >= kObjects || (*object > 6 && *object < 128))
+    return address_fault("object " + in_quotes(rest) + " is not 0..6 or 128..255", "id:0");
+  ParsedAddress parsed = address(Table::kIdentity, *object * kObjectCharacters);
+  parsed.text_characters = kObjectCharacters;
+  return parsed;
+}
+
 // "holding:100.5".
 ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
   const auto word =
       std::ranges::find_if(kWords, [&](const Word& candidate) { return candidate.name == area; });
   if (word == kWords.end())
     return address_fault("area " + in_quotes(area) + " is unknown", suggest_area(area, rest));
+  if (word->table == Table::kFile) return parse_record(rest);
+  if (word->table == Table::kIdentity) return parse_object(rest);
 
   const std::size_t dot = rest.find('.');
   const auto first = number(rest.substr(0, dot));
@@ -96,10 +144,9 @@ ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
   if (holds_bits(word->table))
     return address_fault("a " + std::string(word->name) + " is a bit itself and has no bits",
                          whole);
-  const auto bit = number(rest.substr(dot + 1));
-  if (!bit || *bit > 15)
-    return address_fault("bit " + in_quotes(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
-  return address(word->table, *first, static_cast<std::uint8_t>(*bit));
+  const auto bit = bit_of_word(rest.substr(dot + 1));
+  if (!bit) return bit_fault(rest.substr(dot + 1), whole);
+  return address(word->table, *first, bit);
 }
 
 // "40101": the first digit is the table, the others count from 1. A bit may follow a dot.

@@ -8,17 +8,27 @@
 
 namespace fieldcast::modbus {
 
-enum class Table : AreaIndex { kCoil, kInput, kHolding, kInputRegister };
+enum class Table : AreaIndex { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity };
 
-// Application Protocol V1.1b3, 6.1-6.12; they limit every PDU to 253 bytes.
+// Application Protocol V1.1b3, 6.1-6.15; they limit every PDU to 253 bytes.
 inline constexpr std::uint16_t kMaxReadBits = 2000;
 inline constexpr std::uint16_t kMaxWriteBits = 1968;
 inline constexpr std::uint16_t kMaxReadRegisters = 125;
 inline constexpr std::uint16_t kMaxWriteRegisters = 123;
 inline constexpr std::uint16_t kMaxReadWriteRegisters = 121;  // written registers of function 23
+// Registers in one group of functions 20 and 21. A write may have 122: its read-back may not.
+inline constexpr std::uint16_t kMaxRecords = 121;
+
+// A file is a bank of the area `file`: record 1 of file 4 is item 40001.
+inline constexpr std::uint32_t kRecords = 10000;
+inline constexpr std::uint32_t kFiles = 65536;
+// An object of the identification is a bank of the area `id`, one character in each item. A PDU
+// carries no longer text.
+inline constexpr std::uint16_t kObjectCharacters = 244;
+inline constexpr std::uint32_t kObjects = 256;
 
 // In the order of Table. `mask_write`: supports function 22, for one bit or byte of a register.
-[[nodiscard]] constexpr std::array<Area, 4> areas(bool mask_write) {
+[[nodiscard]] constexpr std::array<Area, 6> areas(bool mask_write) {
   return {{
       {.name = "coil",
        .item_bits = 1,
@@ -35,11 +45,25 @@ inline constexpr std::uint16_t kMaxReadWriteRegisters = 121;  // written registe
        .bit_write = mask_write,
        .byte_write = mask_write},
       {.name = "input-register", .item_bits = 16, .max_read = kMaxReadRegisters, .max_write = 0},
+      {.name = "file",
+       .item_bits = 16,
+       .items = kFiles * kRecords,
+       .writable = true,
+       .max_read = kMaxRecords,
+       .max_write = kMaxRecords,
+       .bank = kRecords},
+      {.name = "id",
+       .item_bits = 8,
+       .items = kObjects * kObjectCharacters,
+       .max_read = kObjectCharacters,
+       .max_write = 0,
+       .bank = kObjectCharacters},
   }};
 }
 
 // "coil:3", "input:3" or "discrete-input:3", "holding:0x64", "input-register:100", "holding:100.5",
-// and the references 00001, 10001, 30001, 40001 (or 000001 .. 465536), which count from 1.
+// and the references 00001, 10001, 30001, 40001 (or 000001 .. 465536), which count from 1;
+// "file:4:7" (file, record), "file:4:7.3", "id:0" (object).
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at);
 
 }  // namespace fieldcast::modbus

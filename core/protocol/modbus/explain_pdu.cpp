@@ -1,6 +1,7 @@
 #include "core/protocol/modbus/explain_pdu.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "core/protocol/modbus/areas.hpp"
@@ -38,8 +39,11 @@ class PduExplainer {
       case 6: return fixed_write("value", {});
       case 15:
       case 16: return write_multiple();
+      case 20: return read_file();
+      case 21: return write_file();
       case 22: return mask_write();
       case 23: return read_write();
+      case 43: return has(1, 1) && pdu_[1] == 0x0E ? identity() : other();
       default: return other();
     }
   }
@@ -194,6 +198,124 @@ class PduExplainer {
     if (pdu_[9] != read_u16(pdu_, 7) * 2)
       writer_.remark("", "the byte count does not match the write quantity");
     counted_data(9, false);
+  }
+
+  void file_count() {
+    if (!has(1, 1)) return writer_.add(1, 0, "byte count", "", "missing");
+    const std::size_t present = pdu_.size() - 2;
+    writer_.add(1, 1, "byte count", number(pdu_[1]),
+                pdu_[1] == present ? "" : number(present) + " bytes follow");
+  }
+
+  void reference(std::size_t at) {
+    writer_.add(at, 1, "reference", number(pdu_[at]), pdu_[at] == 6 ? "" : "must be 6");
+  }
+
+  // Returns the end of the group, or of its registers in a write.
+  std::size_t group(std::size_t at) {
+    if (!has(at, kGroupBytes)) {
+      writer_.add(at, pdu_.size() - at, "group", to_hex(pdu_.subspan(at)), "7 bytes are needed");
+      return pdu_.size();
+    }
+    const std::size_t file = read_u16(pdu_, at + 1), record = read_u16(pdu_, at + 3);
+    const std::size_t quantity = read_u16(pdu_, at + 5);
+    reference(at);
+    word(at + 1, "file", {}, file == 0 ? "must be 1..65535" : "");
+    word(at + 3, "record", "file:" + number(file) + ":" + number(record),
+         record < kRecords ? "" : "must be 0..9999");
+    const bool within = record + quantity <= kRecords;
+    const std::string end = within ? "" : "reaches beyond record 9999";
+    word(at + 5, "quantity", {}, quantity == 0 ? "must not be 0" : end);
+    if (pdu_[0] == 20) return at + kGroupBytes;
+    const std::size_t present = pdu_.size() - at - kGroupBytes;
+    if (2 * quantity > present)
+      writer_.remark("", "the quantity needs " + number(2 * quantity) + " bytes, " +
+                             number(present) + " follow");
+    data(at + kGroupBytes, std::min(2 * quantity, present), false);
+    return at + kGroupBytes + std::min(2 * quantity, present);
+  }
+
+  void groups() {
+    file_count();
+    if (pdu_.size() == 2) writer_.remark("", "no group");
+    for (std::size_t at = 2; at < pdu_.size();) at = group(at);
+  }
+
+  bool has_file_data() const {
+    std::size_t at = 2;
+    while (has(at, 2) && pdu_[at + 1] == 6 && pdu_[at] % 2 == 1) at += std::size_t{1} + pdu_[at];
+    return at > 2 && at == pdu_.size();
+  }
+
+  void read_file() {
+    const bool groups_fit = pdu_.size() > 2 && (pdu_.size() - 2) % kGroupBytes == 0 && pdu_[2] == 6;
+    const bool data_fit = has_file_data();
+    if (groups_fit && data_fit)
+      writer_.remark("request; could also be a response");
+    else
+      writer_.remark(data_fit ? "response" : "request");
+    if (groups_fit || !data_fit) return groups();
+    file_count();
+    for (std::size_t at = 2; at < pdu_.size(); at += std::size_t{1} + pdu_[at]) {
+      writer_.add(at, 1, "group length", number(pdu_[at]));
+      reference(at + 1);
+      data(at + 2, pdu_[at] - std::size_t{1}, false);
+    }
+  }
+
+  void write_file() {
+    writer_.remark("request or its response: both have the same bytes");
+    groups();
+  }
+
+  // Read Device Identification, V1.1b3, 6.21.
+  void identity() {
+    static constexpr std::array<std::string_view, 4> kCodes{"basic objects", "regular objects",
+                                                            "extended objects", "one object"};
+    writer_.remark(pdu_.size() <= 4 ? "request" : "response");
+    writer_.add(1, 1, "MEI type", hex8(pdu_[1]) + " read device identification");
+    if (!has(2, 2)) return writer_.add(2, 0, "code", "", "missing");
+    const bool known = pdu_[2] >= 1 && pdu_[2] <= kCodes.size();
+    writer_.add(2, 1, "code",
+                hex8(pdu_[2]) + (known ? " " + std::string(kCodes[pdu_[2] - 1u]) : ""),
+                known ? "" : "must be 01..04");
+    if (pdu_.size() == 4) return writer_.add(3, 1, "object", object_text(pdu_[3]));
+    const unsigned level = pdu_[3] & 0x7Fu;
+    writer_.add(3, 1, "conformity", hex8(pdu_[3]),
+                level >= 1 && level <= 3 ? "" : "must be 01..03 or 81..83");
+    if (!has(4, 3)) return writer_.add(4, 0, "objects", "", "missing");
+    writer_.add(4, 1, "more", hex8(pdu_[4]) + (pdu_[4] == 0 ? " no" : " yes"),
+                pdu_[4] == 0 || pdu_[4] == 0xFF ? "" : "must be 00 or FF");
+    writer_.add(5, 1, "next object", number(pdu_[5]));
+    writer_.add(6, 1, "objects", number(pdu_[6]));
+    objects(7);
+  }
+
+  static std::string object_text(std::uint8_t object) {
+    static constexpr std::array<std::string_view, 7> kNames{
+        "vendor",       "product code", "revision",        "vendor URL",
+        "product name", "model name",   "user application"};
+    return "id:" + number(object) +
+           (object < kNames.size() ? ", " + std::string(kNames[object]) : "");
+  }
+
+  void objects(std::size_t at) {
+    writer_.deeper();
+    for (unsigned left = pdu_[6]; left > 0 && at <= pdu_.size(); --left) {
+      if (!has(at, 2)) {
+        writer_.add(at, pdu_.size() - at, "object", "", "missing");
+        break;
+      }
+      const std::size_t length = pdu_[at + 1], present = pdu_.size() - at - 2;
+      writer_.add(at, 1, "object", object_text(pdu_[at]));
+      writer_.add(at + 1, 1, "length", number(length),
+                  length <= present ? "" : number(present) + " bytes follow");
+      const std::size_t shown = std::min(length, present);
+      writer_.add(at + 2, shown, "text", printable(pdu_.subspan(at + 2, shown)));
+      at += 2 + shown;
+    }
+    writer_.higher();
+    trailing(at);
   }
 
   // Unused by Fieldcast: only a length fixed by the standard is checked.

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
@@ -79,7 +80,9 @@ class ModbusExchange final : public Exchange {
   // REQUIRES: pdu_sizes(request, options) holds a value.
   ModbusExchange(const Framing& framing, Header header, const Request& request,
                  const Options& options)
-      : framing_(framing), header_(header), request_(request, options) {}
+      : ModbusExchange(framing, header, RequestPdu(request, options)) {}
+  ModbusExchange(const Framing& framing, Header header, RequestPdu request)
+      : framing_(framing), header_(header), request_(std::move(request)) {}
 
   Step start(Bytes& out) override;
   Step on_bytes(ByteView all, Bytes& out) override;

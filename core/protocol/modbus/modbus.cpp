@@ -1,5 +1,6 @@
 #include "core/protocol/modbus/modbus.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "core/protocol/modbus/areas.hpp"
@@ -10,10 +11,13 @@
 namespace fieldcast::modbus {
 namespace {
 
+constexpr std::uint16_t kMaxGroups = 35;  // 245 bytes in a request of function 20; other areas: 1
+
 constexpr Traits kRtu{.name = "modbus-rtu",
                       .summary = "Modbus RTU on a serial line, or on a serial server's TCP port",
                       .lowest_address = 1,
                       .highest_address = 247,
+                      .max_ranges = kMaxGroups,
                       .identity = ResponseIdentity::kAddress,
                       .echo_is_ambiguous = true,
                       .codes = kExceptions};
@@ -21,6 +25,7 @@ constexpr Traits kAscii{.name = "modbus-ascii",
                         .summary = "Modbus ASCII on a serial line",
                         .lowest_address = 1,
                         .highest_address = 247,
+                        .max_ranges = kMaxGroups,
                         .identity = ResponseIdentity::kAddress,
                         .echo_is_ambiguous = true,
                         .codes = kExceptions};
@@ -28,6 +33,7 @@ constexpr Traits kTcp{.name = "modbus-tcp",
                       .summary = "Modbus TCP, directly or through a gateway",
                       .lowest_address = 0,
                       .highest_address = 255,
+                      .max_ranges = kMaxGroups,
                       .identity = ResponseIdentity::kSequence,
                       .codes = kExceptions};
 
@@ -61,13 +67,14 @@ class ModbusProtocol final : public Protocol {
   }
 
   // RTU and ASCII: a response shows its unit, function and length; that of a write also the values,
-  // except in a refusal.
+  // except in a refusal; that of an identification its object.
   bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
                   ExchangeContext later_context) const override {
     if (traits_.identity == ResponseIdentity::kSequence)
       return Protocol::mistakable(earlier, earlier_context, later, later_context);
     const RequestPdu first(earlier, options_), second(later, options_);
     if (first.function() != second.function()) return false;
+    if (first.varies()) return std::ranges::equal(first.pdu(), second.pdu());
     return !std::holds_alternative<ReadRequest>(earlier) ||
            first.response_size() == second.response_size();
   }
@@ -77,7 +84,7 @@ class ModbusProtocol final : public Protocol {
   const Framing& framing_;
   const std::uint8_t unit_;
   const Options options_;
-  const std::array<Area, 4> areas_;
+  const std::array<Area, 6> areas_;
 };
 
 constexpr std::array<std::string_view, 3> kOptionNames{"write-single", "mask-write", "read-write"};
@@ -125,7 +132,13 @@ constexpr std::string_view kAddresses[] = {"coil:3",
                                            "000011",
                                            "100011",
                                            "300031",
-                                           "465001"};
+                                           "465001",
+                                           "file:4:1",
+                                           "file:0x5:0x7",
+                                           "file:65535:9999.15",
+                                           "id:0",
+                                           "id:0x80",
+                                           "id:255"};
 constexpr std::string_view kOptionsText =
     "`mask-write: true` (function 22 for one bit or byte of a register), `read-write: true` "
     "(function 23 for a write that is verified), `write-single: multiple` (functions 15, 16 for "

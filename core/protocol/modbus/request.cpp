@@ -11,7 +11,11 @@ namespace fieldcast::modbus {
 
 namespace {
 
-constexpr std::uint8_t kReadFifo = 24;
+constexpr std::uint8_t kReadFifo = 24, kIdentity = 43;
+constexpr std::uint8_t kMeiType = 0x0E;     // of function 43, for the identification
+constexpr std::size_t kObjectsAt = 7;       // its header in a response
+constexpr std::size_t kMaxFileBytes = 245;  // byte count of function 20 (V1.1b3, 6.14)
+constexpr std::uint8_t kReferenceType = 6;  // of each group of functions 20 and 21
 constexpr PduSize kNone{}, kOne{1}, kFive{5}, kSeven{7}, kByteCounted{0, 1};
 
 constexpr auto kFunctions = [] {
@@ -29,12 +33,12 @@ constexpr auto kFunctions = [] {
   rows[15] = {"write multiple coils", {0, 5}, kFive, "coil", kMaxWriteBits};
   rows[16] = {"write multiple registers", {0, 5}, kFive, "holding", kMaxWriteRegisters};
   rows[17] = {"report server id", kOne, kByteCounted};
-  rows[20] = {"read file record", kByteCounted, kByteCounted};
-  rows[21] = {"write file record", kByteCounted, kByteCounted};
+  rows[20] = {"read file record", kByteCounted, kByteCounted, "file"};
+  rows[21] = {"write file record", kByteCounted, kByteCounted, "file"};
   rows[22] = {"mask write register", kSeven, kSeven};
   rows[23] = {"read/write multiple registers", {0, 9}, kByteCounted};
   rows[kReadFifo] = {"read fifo queue", {3}, kNone};  // its response counts in two bytes
-  rows[43] = {"encapsulated interface transport", {4}, kNone};
+  rows[kIdentity] = {"encapsulated interface transport", {4}, kNone};  // see identity_size
   return rows;
 }();
 
@@ -42,6 +46,19 @@ std::size_t size_in(ByteView pdu, const PduSize& size) {
   if (size.count_at == 0) return size.fixed;
   const std::size_t head = size.count_at + std::size_t{1};
   return pdu.size() < head ? head : head + pdu[size.count_at];
+}
+
+// Of a response of function 43/14: follows the lengths of its texts.
+std::size_t identity_size(ByteView pdu) {
+  if (pdu.size() > 1 && pdu[1] != kMeiType) return 0;
+  std::size_t size = kObjectsAt;
+  if (pdu.size() < size) return size;
+  for (unsigned objects = pdu[kObjectsAt - 1]; objects > 0; --objects) {
+    size += 2;
+    if (pdu.size() < size) return size;
+    size += pdu[size - 1];
+  }
+  return size;
 }
 
 }  // namespace
@@ -62,6 +79,7 @@ std::size_t response_pdu_size(ByteView pdu) {
     return response_pdu_size({&refused, 1}) != 0 ? 2 : 0;
   }
   if (pdu[0] == kReadFifo) return pdu.size() < 3 ? 3 : std::size_t{3} + read_u16(pdu, 1);
+  if (pdu[0] == kIdentity) return identity_size(pdu);
   return size_in(pdu, row_of_function(pdu[0]).response);
 }
 
@@ -73,7 +91,7 @@ namespace {
 
 constexpr std::size_t kEchoSize = 5;      // function, address, value or quantity
 constexpr std::size_t kMaskEchoSize = 7;  // function, address, two masks
-constexpr std::uint32_t kItems = 65536;   // of each table
+constexpr auto kAreas = areas(false);
 
 Table table_of(const Range& range) { return static_cast<Table>(range.area); }
 bool holds_bits(const Range& range) {
@@ -83,17 +101,17 @@ std::size_t packed_size(const Range& range) {
   return holds_bits(range) ? (range.count + 7) / 8 : range.count * 2;
 }
 
-bool fits(const Range& range, std::uint32_t limit) {
-  return range.area < 4 && range.count >= 1 && range.count <= limit && range.first < kItems &&
-         range.end() <= kItems;
+bool fits(const Range& range, bool write) {
+  return fieldcast::fits(kAreas, range, write) &&
+         in_one_bank(kAreas[range.area], range.first, range.end());
 }
 
 std::optional<Function> function_of(const WriteRequest& write, const Options& options) {
-  const Table table = table_of(write.range);
-  if (table != Table::kCoil && table != Table::kHolding) return std::nullopt;
-  const bool coil = table == Table::kCoil;
-  if (!fits(write.range, coil ? kMaxWriteBits : kMaxWriteRegisters)) return std::nullopt;
+  if (!fits(write.range, true)) return std::nullopt;
+  const bool coil = table_of(write.range) == Table::kCoil;
   if (write.items.size() != image_bytes(coil ? 1 : 16, write.range.count)) return std::nullopt;
+  if (table_of(write.range) == Table::kFile)
+    return write.bit ? std::nullopt : std::optional(Function::kWriteFile);
   if (write.bit && !coil) {
     if (!options.mask_write || write.range.count != 1 || *write.bit + write.bits > 16)
       return std::nullopt;
@@ -104,12 +122,31 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
   return single ? Function::kWriteRegister : Function::kWriteRegisters;
 }
 
-// Areas are in the order of functions 1..4.
-Function function_of(const Range& read) { return static_cast<Function>(read.area + 1); }
+// The first areas are in the order of functions 1..4.
+Function function_of(const Range& read) {
+  if (table_of(read) == Table::kFile) return Function::kReadFile;
+  if (table_of(read) == Table::kIdentity) return Function::kIdentification;
+  return static_cast<Function>(read.area + 1);
+}
 
 void append_range(Bytes& pdu, const Range& range) {
   append_u16(pdu, static_cast<std::uint16_t>(range.first));
   append_u16(pdu, static_cast<std::uint16_t>(range.count));
+}
+
+// A group of functions 20 and 21, without registers.
+void append_group(Bytes& pdu, const Range& range) {
+  pdu.push_back(kReferenceType);
+  append_u16(pdu, static_cast<std::uint16_t>(range.first / kRecords));
+  append_u16(pdu, static_cast<std::uint16_t>(range.first % kRecords));
+  append_u16(pdu, static_cast<std::uint16_t>(range.count));
+}
+
+void append_identity(Bytes& pdu, IdentityCode code, std::uint32_t object) {
+  pdu.push_back(kIdentity);
+  pdu.push_back(kMeiType);
+  pdu.push_back(static_cast<std::uint8_t>(code));
+  pdu.push_back(static_cast<std::uint8_t>(object));
 }
 
 void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
@@ -131,6 +168,11 @@ void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
       append_u16(pdu, read_u16(write.items) & mask);
       break;
     }
+    case Function::kWriteFile:
+      pdu.push_back(static_cast<std::uint8_t>(kGroupBytes + write.items.size()));
+      append_group(pdu, write.range);
+      append(pdu, write.items);
+      break;
     default:
       append_range(pdu, write.range);
       pdu.push_back(static_cast<std::uint8_t>(packed_size(write.range)));
@@ -142,10 +184,19 @@ void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
 }
 
 std::optional<PduSizes> sizes_of(const ReadRequest& read) {
-  if (read.ranges.size() != 1) return std::nullopt;
-  const Range& range = read.ranges.front();
-  if (!fits(range, holds_bits(range) ? kMaxReadBits : kMaxReadRegisters)) return std::nullopt;
-  return PduSizes{5, 2 + packed_size(range)};
+  if (read.ranges.empty()) return std::nullopt;
+  const Table table = table_of(read.ranges.front());
+  if (read.ranges.size() != 1 && table != Table::kFile) return std::nullopt;
+  std::size_t file_bytes = 0;
+  for (const Range& range : read.ranges) {
+    if (table_of(range) != table || !fits(range, false)) return std::nullopt;
+    file_bytes += 2 + packed_size(range);
+  }
+  if (table == Table::kIdentity) return PduSizes{4, kMaxPdu};
+  if (table != Table::kFile) return PduSizes{5, 2 + packed_size(read.ranges.front())};
+  const std::size_t groups = kGroupBytes * read.ranges.size();
+  if (groups > kMaxFileBytes || file_bytes > kMaxFileBytes) return std::nullopt;
+  return PduSizes{2 + groups, 2 + file_bytes};
 }
 
 std::optional<PduSizes> sizes_of(const WriteRequest& write, const Options& options) {
@@ -155,6 +206,10 @@ std::optional<PduSizes> sizes_of(const WriteRequest& write, const Options& optio
     case Function::kWriteCoil:
     case Function::kWriteRegister: return PduSizes{kEchoSize, kEchoSize};
     case Function::kMaskWrite: return PduSizes{kMaskEchoSize, kMaskEchoSize};
+    case Function::kWriteFile: {
+      const std::size_t size = 2 + kGroupBytes + write.items.size();
+      return PduSizes{size, size};
+    }
     default: return PduSizes{6 + packed_size(write.range), kEchoSize};
   }
 }
@@ -164,7 +219,7 @@ std::optional<PduSizes> sizes_of(const WriteReadRequest& both) {
   if (table_of(written) != Table::kHolding || table_of(both.read) != Table::kHolding ||
       both.write.bit)
     return std::nullopt;
-  if (!fits(written, kMaxReadWriteRegisters) || !fits(both.read, kMaxReadRegisters))
+  if (!fits(written, true) || written.count > kMaxReadWriteRegisters || !fits(both.read, false))
     return std::nullopt;
   if (both.write.items.size() != packed_size(written)) return std::nullopt;
   return PduSizes{10 + packed_size(written), 2 + packed_size(both.read)};
@@ -184,11 +239,7 @@ RequestPdu::RequestPdu(const Request& request, const Options& options) {
   pdu_.reserve(sizes->request);
   response_size_ = sizes->response;
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
-    const Range& range = read->ranges.front();
-    pdu_.push_back(static_cast<std::uint8_t>(function_of(range)));
-    append_range(pdu_, range);
-    read_count_ = static_cast<std::uint16_t>(range.count);
-    bits_ = holds_bits(range);
+    append_read(*read);
   } else if (const auto* write = std::get_if<WriteRequest>(&request)) {
     append_write(pdu_, *function_of(*write, options), *write);
   } else {
@@ -198,9 +249,49 @@ RequestPdu::RequestPdu(const Request& request, const Options& options) {
     append_range(pdu_, both.write.range);
     pdu_.push_back(static_cast<std::uint8_t>(both.write.items.size()));
     append(pdu_, both.write.items);
-    read_count_ = static_cast<std::uint16_t>(both.read.count);
-    writes_and_reads_ = true;
+    read_ = both.read;
   }
+}
+
+RequestPdu RequestPdu::basic_identity() {
+  RequestPdu request;
+  append_identity(request.pdu_, IdentityCode::kBasic, 0);
+  request.response_size_ = kMaxPdu;
+  return request;
+}
+
+void RequestPdu::append_read(const ReadRequest& read) {
+  read_ = read.ranges.back();
+  const Function function = function_of(read_);
+  if (function == Function::kIdentification)
+    return append_identity(pdu_, IdentityCode::kIndividual, read_.first / kObjectCharacters);
+  pdu_.push_back(static_cast<std::uint8_t>(function));
+  if (function != Function::kReadFile) return append_range(pdu_, read_);
+  pdu_.push_back(static_cast<std::uint8_t>(kGroupBytes * read.ranges.size()));
+  for (const Range& range : read.ranges) append_group(pdu_, range);
+}
+
+std::size_t RequestPdu::registers_of_group(std::size_t group) const {
+  return read_u16(pdu_, 2 + kGroupBytes * group + 5);
+}
+
+// REQUIRES: response_size() bytes.
+bool RequestPdu::fits_groups(ByteView response) const {
+  if (response[1] != response_size_ - 2) return false;
+  std::size_t at = 2;
+  for (std::size_t group = 0; group < groups(); ++group) {
+    const std::size_t bytes = 2 * registers_of_group(group);
+    if (response[at] != 1 + bytes || response[at + 1] != kReferenceType) return false;
+    at += 2 + bytes;
+  }
+  return true;
+}
+
+bool RequestPdu::fits_objects(ByteView response) const {
+  if (response.size() < kObjectsAt || identity_size(response) != response.size()) return false;
+  if (response[2] != pdu_[2]) return false;
+  const bool basic = read_.count == 0;
+  return basic || (response[kObjectsAt - 1] == 1 && response[kObjectsAt] == pdu_[3]);
 }
 
 Verdict RequestPdu::judge(ByteView response) const {
@@ -209,21 +300,52 @@ Verdict RequestPdu::judge(ByteView response) const {
     return response.size() == 2 && response[1] != 0 ? Verdict::kException : Verdict::kMismatch;
   }
   if (response[0] != function()) return Verdict::kForeign;
+  if (varies()) return fits_objects(response) ? Verdict::kResponse : Verdict::kMismatch;
   if (response.size() != response_size_) return Verdict::kMismatch;
-  const bool right = read_count_ != 0 ? response[1] == response_size_ - 2
-                                      : std::equal(response.begin(), response.end(), pdu_.begin());
+  const bool right = is(Function::kReadFile) ? fits_groups(response)
+                     : read_.count != 0
+                         ? response[1] == response_size_ - 2
+                         : std::equal(response.begin(), response.end(), pdu_.begin());
   return right ? Verdict::kResponse : Verdict::kMismatch;
 }
 
 Reply RequestPdu::unpack(ByteView response) const {
-  Reply reply(writes_and_reads_ ? 2 : 1);
-  if (read_count_ == 0) return reply;
+  if (is(Function::kReadFile)) return unpack_groups(response);
+  if (is(Function::kIdentification)) return unpack_objects(response);
+  Reply reply(is(Function::kReadWrite) ? 2 : 1);
+  if (read_.count == 0) return reply;
   const ByteView data = response.subspan(2);
   Bytes& items = reply.back().items;
-  if (bits_)
-    items = unpack_bits(data, read_count_);
+  if (holds_bits(read_))
+    items = unpack_bits(data, read_.count);
   else
     items.assign(data.begin(), data.end());
+  return reply;
+}
+
+Reply RequestPdu::unpack_groups(ByteView response) const {
+  Reply reply(groups());
+  std::size_t at = 2;
+  for (std::size_t group = 0; group < reply.size(); ++group) {
+    const ByteView registers = response.subspan(at + 2, 2 * registers_of_group(group));
+    reply[group].items.assign(registers.begin(), registers.end());
+    at += 2 + registers.size();
+  }
+  return reply;
+}
+
+// The items behind the end of a text are 0.
+Reply RequestPdu::unpack_objects(ByteView response) const {
+  Reply reply;
+  for (std::size_t at = kObjectsAt; at < response.size(); at += std::size_t{2} + response[at + 1]) {
+    const ByteView text = response.subspan(at + 2, response[at + 1]);
+    reply.emplace_back().items.assign(text.begin(), text.end());
+  }
+  if (read_.count == 0) return reply;
+  Bytes& items = reply.front().items;
+  items.resize(kObjectCharacters);
+  const auto from = items.begin() + read_.first % kObjectCharacters;
+  items = Bytes(from, from + read_.count);
   return reply;
 }
 

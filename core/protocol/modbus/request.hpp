@@ -21,12 +21,16 @@ enum class Function : std::uint8_t {
   kWriteRegister = 6,
   kWriteCoils = 15,
   kWriteRegisters = 16,
+  kReadFile = 20,
+  kWriteFile = 21,
   kMaskWrite = 22,
   kReadWrite = 23,
+  kIdentification = 43,
 };
 
 inline constexpr std::uint8_t kExceptionFlag = 0x80;
 inline constexpr std::size_t kMaxPdu = 253;
+inline constexpr std::size_t kGroupBytes = 7;  // of functions 20 and 21, without registers
 
 // Size of a PDU: fixed, or up to a byte that counts the rest.
 struct PduSize {
@@ -77,9 +81,16 @@ inline constexpr std::array kExceptions{
 //     05 06     address(2) value(2)                                  the request
 //     0F        first(2) quantity(2) count(1) bits..                 first(2) quantity(2)
 //     10        first(2) quantity(2) count(1) registers..            first(2) quantity(2)
+//     14        count(1) [06 file(2) record(2) quantity(2)]..        count(1) [count(1) 06
+//                                                                    registers..]..
+//     15        count(1) 06 file(2) record(2) quantity(2)
+//               registers..                                          the request
 //     16        address(2) and-mask(2) or-mask(2)                    the request
 //     17        first(2) quantity(2) first(2) quantity(2) count(1)
 //               registers..                                          count(1) registers..
+//     2B        0E code(1) object(1)                                 0E code(1) conformity(1) more(1)
+//                                                                    next(1) objects(1)
+//                                                                    [object(1) count(1) text..]..
 //     fn | 80   -                                                    exception code(1)
 //
 // Bits are sent least significant first, registers big-endian.
@@ -93,8 +104,11 @@ struct Options {
 
 struct PduSizes {
   std::size_t request = 0;
-  std::size_t response = 0;
+  std::size_t response = 0;  // of the longest response, if texts differ in length
 };
+
+// Read Device ID code of function 43/14: three objects in one response, or the requested one.
+enum class IdentityCode : std::uint8_t { kBasic = 1, kIndividual = 4 };
 
 // Empty if the request exceeds a limit or these functions do not support it. Does not allocate.
 [[nodiscard]] std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options);
@@ -112,10 +126,14 @@ class RequestPdu {
  public:
   // REQUIRES: pdu_sizes(request, options) holds a value.
   RequestPdu(const Request& request, const Options& options);
+  // Reads the basic objects of the identification. The reply has an entry for each, of its text.
+  [[nodiscard]] static RequestPdu basic_identity();
 
   [[nodiscard]] ByteView pdu() const { return pdu_; }
   [[nodiscard]] std::size_t response_size() const { return response_size_; }
   [[nodiscard]] std::uint8_t function() const { return pdu_[0]; }
+  // Whether responses have different lengths.
+  [[nodiscard]] bool varies() const { return is(Function::kIdentification); }
 
   // REQUIRES: `response` is one whole PDU, checked by its framing.
   [[nodiscard]] Verdict judge(ByteView response) const;
@@ -123,12 +141,21 @@ class RequestPdu {
   [[nodiscard]] Reply unpack(ByteView response) const;
 
  private:
+  RequestPdu() = default;
+  void append_read(const ReadRequest& read);
+  [[nodiscard]] bool is(Function function) const { return pdu_[0] == static_cast<int>(function); }
+  // The groups of function 20.
+  [[nodiscard]] std::size_t groups() const { return pdu_[1] / kGroupBytes; }
+  [[nodiscard]] std::size_t registers_of_group(std::size_t group) const;
+  [[nodiscard]] bool fits_groups(ByteView response) const;
+  [[nodiscard]] bool fits_objects(ByteView response) const;
+  [[nodiscard]] Reply unpack_groups(ByteView response) const;
+  [[nodiscard]] Reply unpack_objects(ByteView response) const;
+
   Bytes pdu_;
   std::size_t response_size_ = 0;
-  // Items in the response; 0 if it echoes the start of the request.
-  std::uint16_t read_count_ = 0;
-  bool bits_ = false;
-  bool writes_and_reads_ = false;
+  // The last range read; without items if the response echoes the start of the request.
+  Range read_{.count = 0};
 };
 
 }  // namespace fieldcast::modbus

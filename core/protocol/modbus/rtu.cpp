@@ -98,7 +98,8 @@ class RtuSearch {
   // shows that it was noise; otherwise a response could be read from the middle of another's data.
   void begin(ByteView bytes, std::size_t length, bool mine) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
-    const bool certain = mine && at_boundary_ && (length == expected_ || exception);
+    const bool certain =
+        mine && at_boundary_ && (length == expected_ || exception || request_.varies());
     const std::size_t missing = length - bytes.size();
     if (!begun_)
       result_.missing =

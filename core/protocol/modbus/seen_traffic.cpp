@@ -179,6 +179,14 @@ bool counts_bytes_of_registers(ByteView pdu, std::size_t quantity_at, std::size_
   return within(quantity, limit) && pdu[quantity_at + 2] == 2 * quantity;
 }
 
+// Groups of function 20, or of function 21 with their registers.
+bool holds_groups(ByteView pdu) {
+  std::size_t at = 2;
+  while (at + kGroupBytes <= pdu.size() && pdu[at] == 6)
+    at += kGroupBytes + (pdu[0] == 21 ? 2 * std::size_t{read_u16(pdu, at + 5)} : 0);
+  return at > 2 && at == pdu.size();
+}
+
 // REQUIRES: pdu has request_pdu_size(pdu) bytes.
 bool fields_fit(ByteView pdu) {
   switch (pdu[0]) {
@@ -191,16 +199,19 @@ bool fields_fit(ByteView pdu) {
     case 22: return true;
     case 15: return counts_bytes_of_bits(pdu);
     case 16: return counts_bytes_of_registers(pdu, 3, kMaxWriteRegisters);
+    case 20:
+    case 21: return holds_groups(pdu);
     case 23:
       return within(read_u16(pdu, 3), kMaxReadRegisters) &&
              counts_bytes_of_registers(pdu, 7, kMaxReadWriteRegisters);
+    case 43: return pdu[1] == 0x0E && within(pdu[2], 4);
     default: return false;
   }
 }
 
 // Responses to single writes repeat the request; those to reads may have its length.
 bool differs_from_responses(ByteView pdu) {
-  const bool repeated = pdu[0] == 5 || pdu[0] == 6 || pdu[0] == 22;
+  const bool repeated = pdu[0] == 5 || pdu[0] == 6 || pdu[0] == 21 || pdu[0] == 22;
   return !repeated && response_pdu_size(pdu) != pdu.size();
 }
 

@@ -42,6 +42,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"40101", Table::kHolding, 100}, Case{"400001", Table::kHolding, 0},
                     Case{"465536", Table::kHolding, 65535}, Case{"000001", Table::kCoil, 0},
                     Case{"40101.3", Table::kHolding, 100, 3}));
+INSTANTIATE_TEST_SUITE_P(Records, Notation,
+                         testing::Values(Case{"file:4:1", Table::kFile, 40001},
+                                         Case{"file:1:0", Table::kFile, 10000},
+                                         Case{"file:65535:9999", Table::kFile, 655359999},
+                                         Case{"file:0x10:0x20.15", Table::kFile, 160032, 15}));
+INSTANTIATE_TEST_SUITE_P(Objects, Notation,
+                         testing::Values(Case{"id:0", Table::kIdentity, 0},
+                                         Case{"id:6", Table::kIdentity, 6 * 244},
+                                         Case{"id:0xFF", Table::kIdentity, 255 * 244}));
 
 struct Fault {
   std::string_view at;
@@ -63,20 +72,24 @@ TEST_P(Refused, SaysWhatIsAllowedAndWhatWasMeant) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, Refused,
-    testing::Values(Fault{"holdin:100", "holding:100"}, Fault{"Holding:100", "holding:100"},
-                    Fault{"hr:5", "holding:5"}, Fault{"holding100", "holding:100"},
-                    Fault{"coils:3", "coil:3"}, Fault{"banana:3", ""},
-                    Fault{"holding:65536", "holding:65535"}, Fault{"holding:-1", "holding:0"},
-                    Fault{"holding:", "holding:0"}, Fault{"holding:1x", "holding:0"},
-                    Fault{"holding:99999999999999", "holding:65535"},
-                    Fault{"holding:100.16", "holding:100.0"},
-                    Fault{"holding:100.", "holding:100.0"}, Fault{"coil:3.1", "coil:3"},
-                    Fault{"40000", "40001"}, Fault{"20001", ""}, Fault{"465537", ""},
-                    Fault{"100", "holding:100"}, Fault{"4000001", ""}, Fault{"", ""},
-                    Fault{":", ""}, Fault{"00001.1", "coil:0"}, Fault{"46h", "holding:0x46"},
-                    Fault{"0x46", "holding:0x46"}, Fault{"holding:46h", "holding:0x46"},
-                    Fault{"4x0071", "40071"}, Fault{"3x12", "30012"}, Fault{"%MW70", "holding:70"},
-                    Fault{"%M3", "coil:3"}));
+    testing::Values(
+        Fault{"holdin:100", "holding:100"}, Fault{"Holding:100", "holding:100"},
+        Fault{"hr:5", "holding:5"}, Fault{"holding100", "holding:100"}, Fault{"coils:3", "coil:3"},
+        Fault{"banana:3", ""}, Fault{"holding:65536", "holding:65535"},
+        Fault{"holding:-1", "holding:0"}, Fault{"holding:", "holding:0"},
+        Fault{"holding:1x", "holding:0"}, Fault{"holding:99999999999999", "holding:65535"},
+        Fault{"holding:100.16", "holding:100.0"}, Fault{"holding:100.", "holding:100.0"},
+        Fault{"coil:3.1", "coil:3"}, Fault{"40000", "40001"}, Fault{"20001", ""},
+        Fault{"465537", ""}, Fault{"100", "holding:100"}, Fault{"4000001", ""}, Fault{"", ""},
+        Fault{":", ""}, Fault{"00001.1", "coil:0"}, Fault{"46h", "holding:0x46"},
+        Fault{"0x46", "holding:0x46"}, Fault{"holding:46h", "holding:0x46"},
+        Fault{"4x0071", "40071"}, Fault{"3x12", "30012"}, Fault{"%MW70", "holding:70"},
+        Fault{"%M3", "coil:3"}, Fault{"file:4", "file:4:0"}, Fault{"file:0:1", "file:1:0"},
+        Fault{"file:65536:1", "file:1:0"}, Fault{"file:4:10000", "file:4:0"},
+        Fault{"file:4:", "file:4:0"}, Fault{"file::1", "file:1:0"},
+        Fault{"file:4:1.16", "file:4:1.0"}, Fault{"file:4:1:2", "file:4:0"},
+        Fault{"fil:4:1", "file:4:1"}, Fault{"id:7", "id:0"}, Fault{"id:127", "id:0"},
+        Fault{"id:256", "id:0"}, Fault{"id:", "id:0"}, Fault{"id:0.1", "id:0"}));
 
 TEST(Refused, AHostileTextIsQuotedInPart) {
   const auto parsed = parse_address(std::string(100'000, 'h') + ":1");

@@ -37,8 +37,21 @@ std::optional<Opened> open(const std::string& framing, ByteView frame) {
 }
 
 std::optional<Meant> request_of(ByteView pdu) {
+  if (pdu.size() == 4 && pdu[0] == 43 && pdu[1] == 14 && pdu[2] == 4)
+    return Meant{ReadRequest{{{5, pdu[3] * 244u, 244}}}, {}};
   if (pdu.size() < 5) return std::nullopt;
   const unsigned function = pdu[0];
+  if (function == 20 && pdu[1] % 7 == 0 && pdu.size() == 2u + pdu[1]) {
+    ReadRequest read;
+    for (std::size_t at = 2; at < pdu.size(); at += 7)
+      read.ranges.push_back({4, at16(pdu, at + 1) * 10000 + at16(pdu, at + 3), at16(pdu, at + 5)});
+    return Meant{read, {}};
+  }
+  if (function == 21 && pdu.size() > 9 && pdu.size() == 2u + pdu[1] &&
+      pdu.size() == 9 + 2 * at16(pdu, 7))
+    return Meant{WriteRequest{.range = {4, at16(pdu, 3) * 10000 + at16(pdu, 5), at16(pdu, 7)},
+                              .items = copy(pdu.subspan(9))},
+                 {}};
   const unsigned first = at16(pdu, 1);
   const unsigned count = at16(pdu, 3);
   if (function >= 1 && function <= 4 && pdu.size() == 5) {
@@ -86,7 +99,13 @@ std::optional<Meant> request_for(ByteView answer) {
 
 Bytes items_of(ByteView answer, const Request& request) {
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
-    const Range& range = read->ranges.front();
+    const Range& range = read->ranges.back();
+    if (range.area == 4) return copy(answer.last(2 * range.count));
+    if (range.area == 5) {
+      Bytes text = copy(answer.subspan(9));
+      text.resize(range.count);
+      return text;
+    }
     return range.area < 2 ? bits(answer.subspan(2), range.count) : copy(answer.subspan(2));
   }
   return std::holds_alternative<WriteReadRequest>(request) ? copy(answer.subspan(2)) : Bytes{};

@@ -169,5 +169,80 @@ TEST(RtuExchange, AWriteIsConfirmedByItsOwnEchoAlone) {
   EXPECT_EQ(drive(other_address, with_crc("11 06 0002 0003")).cause, Cause::kMalformed);
 }
 
+// Published frames of an Inova temperature simulator (see the vectors).
+const Bytes kModel = hex("012B0E0481000001 01 09 494E562D436170706F BEB7");
+
+TEST(RtuExchange, ATextIsPaddedAndCutToItsItems) {
+  const auto items = [](std::uint32_t first, std::uint32_t count) {
+    auto exchange = rtu(1, read(Table::kIdentity, first, count));
+    const Outcome outcome = drive(exchange, kModel);
+    EXPECT_EQ(outcome.sent.front(), hex("012B0E04 01 B2E7"));
+    if (!outcome.done()) return to_text(outcome);
+    const Bytes& text = outcome.reply.at(0).items;
+    return std::string(text.begin(), text.end());
+  };
+  EXPECT_EQ(items(244, 9), "INV-Cappo");
+  EXPECT_EQ(items(244, 3), "INV");
+  EXPECT_EQ(items(244 + 4, 5), "Cappo");
+  EXPECT_EQ(items(244, 12), std::string("INV-Cappo\0\0\0", 12));
+}
+
+TEST(RtuExchange, ATextNamesItsMissingCharactersAsFarAsTheyAreKnown) {
+  auto exchange = rtu(1, read(Table::kIdentity, 244, 16));
+  Bytes out;
+  (void)exchange.start(out);
+  for (std::size_t size = 3; size < kModel.size(); ++size) {
+    const Step step = exchange.on_bytes(ByteView(kModel).first(size), out);
+    EXPECT_EQ(step.kind, Step::Kind::kNeedMore);
+    EXPECT_EQ(step.wait, Wait::kRestOfFrame);
+    EXPECT_GE(step.characters, 1u);
+    EXPECT_LE(step.characters, kModel.size() - size) << size;
+  }
+}
+
+TEST(RtuExchange, AnObjectThatWasNotRequestedIsNoValue) {
+  for (const std::string_view other :
+       {"012B0E0481000001 00 09 494E562D436170706F", "012B0E0181000001 01 09 494E562D436170706F",
+        "012B0E0481000002 01 01 41 02 01 42", "012B0E048100000101 08 494E562D436170706F",
+        "012B0D0481000001 01 09 494E562D436170706F", "012B0E0481000000"}) {
+    auto exchange = rtu(1, read(Table::kIdentity, 244, 16));
+    const Outcome outcome = drive(exchange, with_crc(other));
+    EXPECT_FALSE(outcome.done()) << other;
+  }
+}
+
+TEST(RtuExchange, RecordsOfOtherLengthsAreNoValue) {
+  const ReadRequest two{{{static_cast<AreaIndex>(Table::kFile), 40001, 2},
+                         {static_cast<AreaIndex>(Table::kFile), 30009, 2}}};
+  const auto is_read = [&](std::string_view response) {
+    auto exchange = rtu(17, two);
+    return drive(exchange, with_crc(response)).done();
+  };
+  EXPECT_TRUE(is_read("11140C 05060DFE0020 050633CD0040"));
+  EXPECT_FALSE(is_read("11140C 03060DFE 070633CD00400000")) << "registers of the other group";
+  EXPECT_FALSE(is_read("11140C 05070DFE0020 050633CD0040")) << "another reference type";
+  EXPECT_FALSE(is_read("111406 05060DFE0020")) << "one group only";
+  EXPECT_FALSE(is_read("11140B 05060DFE0020 050633CD0040")) << "a wrong byte count";
+}
+
+TEST(RtuExchange, RecordsStayWithinTheirLimits) {
+  const auto area = static_cast<AreaIndex>(Table::kFile);
+  const auto fits = [](const ReadRequest& request) { return pdu_sizes(request, {}).has_value(); };
+  EXPECT_TRUE(fits({{{area, 40000, 121}}}));
+  EXPECT_FALSE(fits({{{area, 40000, 122}}}));
+  EXPECT_TRUE(fits({{{area, 49999, 1}}}));
+  EXPECT_FALSE(fits({{{area, 49999, 2}}})) << "reaches into the next file";
+  EXPECT_FALSE(fits({{{area, kFiles * kRecords - 1, 2}}}));
+  EXPECT_TRUE(fits({std::vector<Range>(35, {area, 40000, 1})}));
+  EXPECT_FALSE(fits({std::vector<Range>(36, {area, 40000, 1})})) << "245 bytes of groups";
+  EXPECT_TRUE(fits({{{area, 40000, 60}, {area, 50000, 60}}}));
+  EXPECT_FALSE(fits({{{area, 40000, 61}, {area, 50000, 60}}})) << "245 bytes of records";
+  EXPECT_FALSE(fits({{{area, 40000, 1}, {static_cast<AreaIndex>(Table::kHolding), 0, 1}}}));
+  EXPECT_FALSE(fits({{{static_cast<AreaIndex>(Table::kHolding), 0, 1},
+                      {static_cast<AreaIndex>(Table::kHolding), 9, 1}}}));
+  const WriteRequest bit{.range = {area, 40000, 1}, .items = {0, 1}, .bit = 0};
+  EXPECT_FALSE(pdu_sizes(bit, {.mask_write = true})) << "function 22 is for holding registers";
+}
+
 }  // namespace
 }  // namespace fieldcast::modbus

@@ -33,7 +33,9 @@ std::string fault_in(const std::vector<FrameField>& fields) {
 
 // Functions of the standard that Fieldcast never sends.
 bool is_unused_function(ByteView pdu) {
-  static const std::set<int> used{1, 2, 3, 4, 5, 6, 15, 16, 23};
+  static const std::set<int> used{1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 23, 43};
+  if (!pdu.empty() && pdu[0] == 43 && pdu.size() > 2 && pdu[2] != 4)
+    return true;  // see AStreamOfObjectsIsRead
   return pdu.empty() || !used.contains(pdu[0] & 0x7F);
 }
 
@@ -201,6 +203,24 @@ TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
   const Outcome result = test::drive(exchange, stream.response);
   EXPECT_EQ(result.cause, Cause::kDeviceError);
   EXPECT_EQ(result.code, 2);
+}
+
+// `fieldcast scan` reads them.
+TEST(ModbusVector, AStreamOfObjectsIsRead) {
+  for (const char* framing : {"rtu", "ascii", "tcp"}) {
+    const GoldenVector basic = named("spec_" + std::string(framing) + "_fc43_14_basic");
+    ModbusExchange exchange(framing_of(basic), Header{17, 0x1501}, RequestPdu::basic_identity());
+    Bytes request;
+    (void)exchange.start(request);
+    EXPECT_EQ(to_hex(request), to_hex(basic.request));
+    const Outcome result = test::drive(exchange, basic.response);
+    ASSERT_TRUE(result.done()) << to_text(result);
+    std::vector<std::string> texts;
+    for (const RangeReply& object : result.reply)
+      texts.emplace_back(object.items.begin(), object.items.end());
+    EXPECT_EQ(texts,
+              (std::vector<std::string>{"Company identification", "Product code XX", "V2.11"}));
+  }
 }
 
 TEST(ModbusVector, AMaskWriteIsTheStandardsExampleForOneBit) {

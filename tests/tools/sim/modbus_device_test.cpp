@@ -119,6 +119,51 @@ TEST(ModbusUnit, ChecksInTheOrderOfTheStandard) {
   EXPECT_TRUE(unit.statistics().writes.empty());
 }
 
+TEST(ModbusUnit, ChecksFileRecordsInTheOrderOfTheStandard) {
+  ModbusUnitWithMemory unit(1, {.refused = {{"file", 40005, 40005, 4}}});
+  const auto code = [&](const Bytes& pdu) {
+    const Bytes response = unit.execute(pdu, test::kBegin);
+    return response[0] == pdu[0] ? 0 : response.at(1);
+  };
+  EXPECT_EQ(code({0x14, 7, 6, 0, 4, 0, 1, 0, 2}), 0);
+  EXPECT_EQ(code({0x14, 8, 6, 0, 4, 0, 1, 0, 2}), 3);        // byte count
+  EXPECT_EQ(code({0x14, 8, 6, 0, 4, 0, 1, 0, 2, 0}), 3);     // no whole group
+  EXPECT_EQ(code({0x14, 0}), 3);                             // no group
+  EXPECT_EQ(code({0x14, 7, 5, 0, 4, 0, 1, 0, 2}), 2);        // reference type
+  EXPECT_EQ(code({0x14, 7, 6, 0, 4, 0x27, 0x10, 0, 1}), 2);  // record 10000
+  EXPECT_EQ(code({0x14, 7, 6, 0, 4, 0x27, 0x0F, 0, 2}), 2);  // its end
+  EXPECT_EQ(code({0x14, 7, 6, 0, 4, 0, 1, 0, 122}), 3);      // 246 bytes
+  EXPECT_EQ(code({0x14, 7, 6, 0, 4, 0, 4, 0, 2}), 4);
+  EXPECT_EQ(code({0x15, 9, 6, 0, 4, 0, 5, 0, 1, 0, 1}), 4);
+  EXPECT_EQ(code({0x15, 9, 6, 0, 4, 0, 1, 0, 2, 0, 1}), 3);  // one register too few
+  EXPECT_EQ(code({0x15, 18, 6, 0, 4, 0, 1, 0, 1, 0, 1, 6, 0, 4, 0, 5, 0, 1, 0, 1}), 4);
+  EXPECT_TRUE(unit.statistics().writes.empty()) << "no group is written if one is refused";
+  EXPECT_EQ(code({0x15, 18, 6, 0, 4, 0, 1, 0, 1, 0, 1, 6, 0, 5, 0, 1, 0, 1, 0, 1}), 0);
+  EXPECT_EQ(unit.statistics().writes.at("file:40001"), 1u);
+  EXPECT_EQ(unit.statistics().writes.at("file:50001"), 1u);
+}
+
+TEST(ModbusUnit, IdentifiesItselfAsAStreamOrObjectByObject) {
+  ModbusUnitWithMemory unit(1);
+  const auto text = [&](std::uint8_t code, std::uint8_t object) {
+    const Bytes response = unit.execute(Bytes{0x2B, 0x0E, code, object}, test::kBegin);
+    return std::string(response.begin(), response.end());
+  };
+  using namespace std::string_literals;
+  const std::string first = "\x00\x09"s + "Fieldcast"s, last = "\x02\x03"s + "1.0"s;
+  EXPECT_EQ(text(4, 0), "\x2B\x0E\x04\x83\0\0\x01"s + first);
+  EXPECT_EQ(text(4, 2), "\x2B\x0E\x04\x83\0\0\x01"s + last);
+  EXPECT_EQ(text(4, 3), "\xAB\x02") << "it has no vendor URL";
+  EXPECT_EQ(text(5, 0), "\xAB\x03");
+  EXPECT_EQ(text(1, 2), "\x2B\x0E\x01\x83\0\0\x01"s + last);
+  EXPECT_EQ(text(1, 3), text(1, 0)) << "a stream from an unknown object is the whole one";
+  unit.identify_as({std::string(150, 'a'), std::string(150, 'b')});
+  EXPECT_EQ(text(1, 0).substr(4, 3), "\xFF\x01\x01") << "the second object follows";
+  EXPECT_EQ(text(1, 1).size(), 7 + 2 + 150 + last.size());
+  unit.identify_as({"basic"}, 0x01);
+  EXPECT_EQ(text(4, 0), "\xAB\x03") << "only streams";
+}
+
 TEST(ModbusUnit, OnlyConfiguredAddressesExistWhenSo) {
   ModbusUnitWithMemory unit(1, {.only_configured = true});
   Encoding real;

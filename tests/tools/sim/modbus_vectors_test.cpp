@@ -68,15 +68,25 @@ void prepare(ModbusUnitWithMemory& unit, ByteView request, ByteView answer) {
     case 0x03: return preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
     case 0x04: return preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
     case 0x07: return preset(ModbusArea::kCoil, 0, bits(answer.subspan(2), 8));
+    case 0x14: {
+      std::size_t group = 3;
+      for (std::size_t at = 3; at < answer.size(); at += 1u + answer[at], group += 7)
+        preset(ModbusArea::kFile,
+               read_u16(request, group + 1) * 10000u + read_u16(request, group + 3),
+               registers(answer.subspan(at + 2, answer[at] - 1u)));
+      return;
+    }
     case 0x16: return preset(ModbusArea::kHolding, first(), {0x0012});
     case 0x17: return preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
     case 0x2B: {
       std::vector<std::string> objects;
       for (std::size_t at = 8; at + 1 < answer.size(); at += 2u + answer[at + 1]) {
-        objects.emplace_back(answer.begin() + static_cast<std::ptrdiff_t>(at) + 2,
-                             answer.begin() + static_cast<std::ptrdiff_t>(at) + 2 + answer[at + 1]);
+        objects.resize(answer[at] + std::size_t{1});
+        objects.back().assign(
+            answer.begin() + static_cast<std::ptrdiff_t>(at) + 2,
+            answer.begin() + static_cast<std::ptrdiff_t>(at) + 2 + answer[at + 1]);
       }
-      return unit.identify_as(objects);
+      return unit.identify_as(objects, answer[4]);
     }
     default: return;
   }
@@ -91,10 +101,8 @@ DeviceSetup refusing(std::uint8_t code) {
   return setup;
 }
 
-// The device has no file records or FIFO queues.
-bool unsupported(std::uint8_t function) {
-  return function == 0x14 || function == 0x15 || function == 0x18;
-}
+// The device has no FIFO queues.
+bool unsupported(std::uint8_t function) { return function == 0x18; }
 
 TEST(ModbusVectors, DeviceRespondsAsPrinted) {
   int good = 0, refused = 0;

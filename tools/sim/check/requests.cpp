@@ -278,6 +278,11 @@ Encoding natural_encoding(const ParsedAddress& address, const Area& area,
     encoding.counted = true;
     return encoding;
   }
+  if (declaration == nullptr && address.text_characters != 0) {
+    encoding.type = ValueType::kString;
+    encoding.string_bytes = address.text_characters;
+    return encoding;
+  }
   if (declaration != nullptr && declaration->areas[address.area].record && !address.width_bits) {
     for (const declared::Place& place : declaration->areas[address.area].places) {
       if (place.first != address.first) continue;

@@ -59,6 +59,10 @@ class ItemMemory {
   [[nodiscard]] bool configured(std::size_t area, std::uint32_t item) const {
     return parts_[area].contains(item);
   }
+  // Configured, or written.
+  [[nodiscard]] bool holds(std::size_t area, std::uint32_t item) const {
+    return configured(area, item) || written_[area].contains(item);
+  }
   [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
                                                   Instant now) const;
   bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits);

@@ -46,6 +46,17 @@ Length request_length(ByteView frame) {
   }
 }
 
+// 2B 0E code conformity more next objects [object length text..]..
+Length identification_length(ByteView frame) {
+  std::size_t end = 8;
+  if (frame.size() < end) return kNotYet;
+  for (unsigned objects = frame[7]; objects > 0; --objects) {
+    if (frame.size() < end + 2) return kNotYet;
+    end += 2u + frame[end + 1];
+  }
+  return exactly(end + 2);
+}
+
 Length response_length(ByteView frame) {
   if (frame.size() < 2) return kNotYet;
   if ((frame[1] & 0x80u) != 0) return exactly(5);
@@ -64,6 +75,7 @@ Length response_length(ByteView frame) {
     case 0x10: return exactly(8);
     case 0x07: return exactly(5);
     case 0x16: return exactly(10);
+    case 0x2B: return identification_length(frame);
     default: return kUnknowable;
   }
 }

@@ -8,7 +8,9 @@ namespace fieldcast::sim {
 
 namespace {
 
-constexpr std::uint32_t kItems = 65536;  // of each area
+constexpr std::uint32_t kItems = 65536;      // of coils, inputs and registers
+constexpr std::uint32_t kRecords = 10000;    // of each file
+constexpr std::uint32_t kObjectBytes = 244;  // of each object of the identification
 
 bool is_bits(std::size_t area) { return area == ModbusArea::kCoil || area == ModbusArea::kInput; }
 
@@ -20,12 +22,36 @@ std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) 
   return static_cast<std::uint32_t>(*value);
 }
 
+// "4:7" of a file, "0" of an object, "107" elsewhere.
+std::optional<std::uint32_t> item_number(std::size_t area, std::string_view text) {
+  if (area == ModbusArea::kIdentity) {
+    const auto object = number(text, 255);
+    return object ? std::optional(*object * kObjectBytes) : std::nullopt;
+  }
+  if (area != ModbusArea::kFile) return number(text, kItems - 1);
+  const auto colon = std::min(text.find(':'), text.size());
+  const auto file = number(text.substr(0, colon), 65535);
+  const auto record = number(text.substr(std::min(colon + 1, text.size())), kRecords - 1);
+  return file && record ? std::optional(*file * kRecords + *record) : std::nullopt;
+}
+
+// 06 file(2) record(2) quantity(2)
+ItemAddress record_at(ByteView pdu, std::size_t at) {
+  return {ModbusArea::kFile, read_u16(pdu, at + 1) * kRecords + read_u16(pdu, at + 3), {}};
+}
+bool within_file(ByteView pdu, std::size_t at) {
+  const unsigned record = read_u16(pdu, at + 3), quantity = read_u16(pdu, at + 5);
+  return pdu[at] == 6 && quantity >= 1 && record + quantity <= kRecords;
+}
+
 }  // namespace
 
 std::vector<ItemArea> modbus_areas() {
   std::vector<ItemArea> areas;
-  for (std::size_t area = 0; area < kModbusAreaNames.size(); ++area)
+  for (std::size_t area = 0; area < ModbusArea::kFile; ++area)
     areas.push_back({kModbusAreaNames[area], is_bits(area) ? 1u : 16u, kItems, is_bits(area)});
+  areas.push_back({kModbusAreaNames[ModbusArea::kFile], 16, 65536 * kRecords});
+  areas.push_back({kModbusAreaNames[ModbusArea::kIdentity], 8, 256 * kObjectBytes});
   return areas;
 }
 
@@ -41,9 +67,10 @@ std::optional<ItemAddress> parse_modbus_address(std::string_view at) {
     const std::string_view word = at.substr(0, colon);
     const auto name =
         std::ranges::find(kModbusAreaNames, word == "discrete-input" ? "input" : word);
-    const auto first = number(at.substr(colon + 1), kItems - 1);
-    if (name == kModbusAreaNames.end() || !first) return std::nullopt;
+    if (name == kModbusAreaNames.end()) return std::nullopt;
     address.area = static_cast<std::size_t>(name - kModbusAreaNames.begin());
+    const auto first = item_number(address.area, at.substr(colon + 1));
+    if (!first) return std::nullopt;
     address.first = *first;
     return address;
   }
@@ -96,9 +123,11 @@ Bytes ModbusUnit::dispatch(ByteView pdu, Instant now) {
     case 0x08: return diagnostics(pdu);
     case 0x0F: return write_many(ModbusArea::kCoil, pdu);
     case 0x10: return write_many(ModbusArea::kHolding, pdu);
+    case 0x14: return read_file(pdu, now);
+    case 0x15: return write_file(pdu);
     case 0x16: return mask_write(pdu, now);
     case 0x17: return write_read(pdu, now);
-    case 0x2B: return identification(pdu);
+    case 0x2B: return identification(pdu, now);
     default: return exception(pdu, kFunction);
   }
 }
@@ -197,18 +226,96 @@ Bytes ModbusUnit::diagnostics(ByteView pdu) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 2B 0E 01 00: basic identification as a stream (V1.1b3, 6.21); other codes are not supported
-Bytes ModbusUnit::identification(ByteView pdu) {
+// 14 bytes(1) [06 file(2) record(2) quantity(2)].. -> bytes(1) [bytes(1) 06 registers..]..
+// (V1.1b3, 6.14). File 0 is not in the standard, but devices have it.
+Bytes ModbusUnit::read_file(ByteView pdu, Instant now) {
+  if (pdu.size() < 2 || pdu.size() != 2u + pdu[1] || pdu[1] < 7 || pdu[1] > 0xF5 || pdu[1] % 7 != 0)
+    return exception(pdu, kValue);
+  Bytes response{pdu[0], 0};
+  for (std::size_t at = 2; at < pdu.size(); at += 7) {
+    if (!within_file(pdu, at)) return exception(pdu, kAddress);
+    const Items items{ModbusArea::kFile, record_at(pdu, at).first, read_u16(pdu, at + 5)};
+    if (response.size() + 2 + 2 * items.count > 2 + 0xF5) return exception(pdu, kValue);
+    if (const auto code = refusal(items)) return exception(pdu, code);
+    response.push_back(static_cast<std::uint8_t>(1 + 2 * items.count));
+    response.push_back(6);
+    for (std::uint32_t i = 0; i < items.count; ++i) append_u16(response, value(items, i, now));
+  }
+  response[1] = static_cast<std::uint8_t>(response.size() - 2);
+  return response;
+}
+
+// 15 bytes(1) [06 file(2) record(2) quantity(2) registers..].. -> the request (V1.1b3, 6.15)
+Bytes ModbusUnit::write_file(ByteView pdu) {
+  if (pdu.size() < 2 || pdu.size() != 2u + pdu[1] || pdu[1] < 9 || pdu[1] > 0xFB)
+    return exception(pdu, kValue);
+  std::vector<std::pair<Items, ByteView>> groups;
+  for (std::size_t at = 2; at < pdu.size();) {
+    if (pdu.size() < at + 7) return exception(pdu, kValue);
+    if (!within_file(pdu, at)) return exception(pdu, kAddress);
+    const Items items{ModbusArea::kFile, record_at(pdu, at).first, read_u16(pdu, at + 5)};
+    at += 7;
+    if (pdu.size() < at + 2 * items.count) return exception(pdu, kValue);
+    if (const auto code = refusal(items)) return exception(pdu, code);
+    groups.emplace_back(items, pdu.subspan(at, 2 * items.count));
+    at += 2 * items.count;
+  }
+  for (const auto& [items, data] : groups) store(items, data);
+  return {pdu.begin(), pdu.end()};
+}
+
+void ModbusUnit::identify_as(const std::vector<std::string>& objects, std::uint8_t conformity) {
+  conformity_ = conformity;
+  std::uint32_t first = 0;
+  for (const std::string& text : objects) {
+    for (std::uint32_t i = 0; i < kObjectBytes; ++i, ++first)
+      memory_.write(ModbusArea::kIdentity, first,
+                    i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0);
+  }
+}
+
+// Empty if no character of the object exists. 0 behind the last character is no part of it.
+std::optional<std::string> ModbusUnit::object(unsigned id, Instant now) const {
+  std::string text;
+  bool exists = id < 3;  // mandatory
+  const std::uint32_t first = id * kObjectBytes;
+  for (std::uint32_t item = first; item < first + kObjectBytes; ++item) {
+    exists = exists || memory_.holds(ModbusArea::kIdentity, item);
+    text.push_back(static_cast<char>(memory_.read(ModbusArea::kIdentity, item, now)));
+  }
+  if (!exists) return std::nullopt;
+  while (text.ends_with('\0')) text.pop_back();
+  return text;
+}
+
+// 2B 0E code object -> 0E code conformity more next objects [object length text..]..; codes 1 to 3
+// are streams of objects, 4 is one object (V1.1b3, 6.21)
+Bytes ModbusUnit::identification(ByteView pdu, Instant now) {
+  constexpr unsigned kEnds[] = {3, 7, 256};  // of the objects of each code
   if (pdu.size() < 2 || pdu[1] != 0x0E) return exception(pdu, kFunction);
-  if (pdu.size() != 4 || pdu[2] != 0x01) return exception(pdu, kValue);
-  if (pdu[3] >= identification_.size()) return exception(pdu, kAddress);
-  const auto left = static_cast<std::uint8_t>(identification_.size() - pdu[3]);
-  Bytes response{0x2B, 0x0E, 0x01, 0x01, 0x00, 0x00, left};
-  for (std::size_t id = pdu[3]; id < identification_.size(); ++id) {
-    const std::string& text = identification_[id];
+  if (pdu.size() != 4 || pdu[2] < 1 || pdu[2] > 4) return exception(pdu, kValue);
+  const bool alone = pdu[2] == 4;
+  if (alone && conformity_ < 0x80) return exception(pdu, kValue);
+  const auto asked = object(pdu[3], now);
+  if (alone && !asked) return exception(pdu, kAddress);
+  const Items all{ModbusArea::kIdentity, pdu[3] * kObjectBytes, 1};
+  const auto code = alone ? refusal(all) : std::uint8_t{0};
+  if (code != 0) return exception(pdu, code);
+  Bytes response{pdu[0], pdu[1], pdu[2], conformity_, 0x00, 0x00, 0};
+  // A stream from an unknown object begins with the first one.
+  const unsigned begin = asked ? pdu[3] : 0, end = alone ? begin + 1 : kEnds[pdu[2] - 1];
+  for (unsigned id = begin; id < end; ++id) {
+    const auto text = object(id, now);
+    if (!text) continue;
+    if (response.size() + 2 + text->size() > kMaxPdu) {
+      response[4] = 0xFF;
+      response[5] = static_cast<std::uint8_t>(id);
+      break;
+    }
+    ++response[6];
     response.push_back(static_cast<std::uint8_t>(id));
-    response.push_back(static_cast<std::uint8_t>(text.size()));
-    response.insert(response.end(), text.begin(), text.end());
+    response.push_back(static_cast<std::uint8_t>(text->size()));
+    response.insert(response.end(), text->begin(), text->end());
   }
   return response;
 }

@@ -13,24 +13,27 @@ namespace fieldcast::sim {
 inline constexpr std::size_t kMaxPdu = 253;  // V1.1b3, 4.1
 
 struct ModbusArea {
-  enum : std::size_t { kCoil, kInput, kHolding, kInputRegister };
+  enum : std::size_t { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity };
 };
-inline constexpr std::array<std::string_view, 4> kModbusAreaNames{"coil", "input", "holding",
-                                                                  "input-register"};
+inline constexpr std::array<std::string_view, 6> kModbusAreaNames{
+    "coil", "input", "holding", "input-register", "file", "id"};
 [[nodiscard]] std::vector<ItemArea> modbus_areas();
 
-// "holding:107", "holding:107.3", "40108"; independent of the bridge's parser.
+// "holding:107", "holding:107.3", "40108", "file:4:7", "id:0"; independent of the bridge's parser.
 [[nodiscard]] std::optional<ItemAddress> parse_modbus_address(std::string_view at);
 
 class ModbusUnit {
  public:
   ModbusUnit(std::uint8_t address, ItemMemory& memory, DeviceStatistics& statistics)
-      : address_(address), memory_(memory), statistics_(statistics) {}
+      : address_(address), memory_(memory), statistics_(statistics) {
+    identify_as({"Fieldcast", "simulated device", "1.0"});
+  }
 
   [[nodiscard]] std::uint8_t address() const { return address_; }
   [[nodiscard]] DeviceStatistics& statistics() { return statistics_; }
-  // Objects of function 43/14: vendor, product code, revision; each at most 64 characters.
-  void identify_as(std::vector<std::string> objects) { identification_ = std::move(objects); }
+  // Writes the first objects of function 43/14: vendor, product code, revision. Conformity above 80
+  // hexadecimal: each object can also be read alone.
+  void identify_as(const std::vector<std::string>& objects, std::uint8_t conformity = 0x83);
 
   // Accepts any bytes. Returns the response or an exception; empty only for an empty request.
   [[nodiscard]] Bytes execute(ByteView pdu, Instant now);
@@ -50,7 +53,10 @@ class ModbusUnit {
   [[nodiscard]] Bytes write_read(ByteView pdu, Instant now);
   [[nodiscard]] Bytes exception_status(ByteView pdu, Instant now);
   [[nodiscard]] Bytes diagnostics(ByteView pdu);
-  [[nodiscard]] Bytes identification(ByteView pdu);
+  [[nodiscard]] Bytes read_file(ByteView pdu, Instant now);
+  [[nodiscard]] Bytes write_file(ByteView pdu);
+  [[nodiscard]] Bytes identification(ByteView pdu, Instant now);
+  [[nodiscard]] std::optional<std::string> object(unsigned id, Instant now) const;
 
   Bytes exception(ByteView pdu, std::uint8_t code);
   [[nodiscard]] std::uint8_t refusal(const Items& items) const {
@@ -66,7 +72,7 @@ class ModbusUnit {
   const std::uint8_t address_;
   ItemMemory& memory_;
   DeviceStatistics& statistics_;
-  std::vector<std::string> identification_{"Fieldcast", "simulated device", "1.0"};
+  std::uint8_t conformity_ = 0;
 };
 
 }  // namespace fieldcast::sim
