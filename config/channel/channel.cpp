@@ -155,6 +155,11 @@ void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
               fmt::format("'{}' with {} items reaches beyond the area {}", draft.spec.at, count,
                           area.name),
               fmt::format("items 0 to {}", area.items - 1));
+  } else if (distance == 0 && !in_one_bank(area, range.first, range.end())) {
+    map.fault("at",
+              fmt::format("'{}' with {} items reaches beyond its bank of area {}", draft.spec.at,
+                          count, area.name),
+              fmt::format("items within a bank of {}", area.bank));
   }
   const std::uint32_t block =
       context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);

@@ -332,6 +332,17 @@ TEST_F(RawCommandTest, BitsFollowEachOther) {
   EXPECT_EQ(result(*job).values, (std::vector<Value>{false, true, true, false}));
 }
 
+TEST_F(RawCommandTest, AValueStaysWithinItsBank) {
+  use("modbus-rtu");
+  Command command = raw("file:4:9998", {ValueType::kUint32}, {});
+  command.operation = Operation::kAcquire;
+  ASSERT_TRUE(make(command)) << "two registers at the end of the file";
+  command.count = 2;
+  EXPECT_EQ(why_not(command), "'file:4:9998' reaches beyond its bank of the area");
+  EXPECT_EQ(why_not(raw("file:4:9999", {ValueType::kUint32}, {std::uint64_t{7}})),
+            "'file:4:9999' reaches beyond its bank of the area");
+}
+
 TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   Encoding high{ValueType::kUint8};
   high.bit = 8;

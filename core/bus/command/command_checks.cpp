@@ -193,6 +193,8 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
       subject.range.first = address.first + bit / area.item_bits;
       subject.encoding.bit = static_cast<std::uint8_t>(bit % area.item_bits);
     }
+    if (!in_one_bank(area, subject.range.first, subject.range.end()))
+      return fault(Cause::kBadAddress, "'" + target.at + "' reaches beyond its bank of the area");
     subjects_.push_back(subject);
   }
   return {};
