@@ -9,13 +9,16 @@ usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, u
 Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
 libmodbus_server.cpp:
   coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
+Only here: the objects of OBJECTS, and with SERVES_FILES record n of file f = 1000 f + n.
 """
 
 import asyncio
 import json
 import signal
+import struct
 import sys
 
+from pymodbus.device import ModbusControlBlock
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext, ModbusSparseDataBlock
 
 try:  # version 3.0 of Debian 12
@@ -29,6 +32,8 @@ except ImportError:  # version 3.8 of Debian 13
 else:
     OLD = True
 FIRST = 0 if OLD else 1  # place of address 0 in a block
+SERVES_FILES = OLD  # later versions have other classes for records
+OBJECTS = {0: "Maker", 1: "Model 7", 2: "V1.2", 5: "Seven", 128: "S-42", 200: "x" * 244}
 
 ITEMS = range(500)
 REGISTERS = None  # holding registers of a file
@@ -44,6 +49,42 @@ def memory(unit):
         **({"zero_mode": True} if OLD else {}),
     )
     return ModbusServerContext(slaves={unit: device}, single=False)
+
+
+def serve_files():
+    """Gives the records of pymodbus a memory: it decodes requests and encodes writes, but has no store."""
+    from pymodbus.file_message import FileRecord, ReadFileRecordRequest, ReadFileRecordResponse, WriteFileRecordRequest, WriteFileRecordResponse
+    from pymodbus.pdu import ModbusExceptions
+
+    written = {}
+
+    def register(file, record):
+        return written.get((file, record), struct.pack(">H", (1000 * file + record) & 0xFFFF))
+
+    def refused(request):
+        groups = [(group.record_number, group.record_length) for group in request.records]
+        return any(first + count > 10000 for first, count in groups)
+
+    def read(self, _):
+        if refused(self):
+            return self.doException(ModbusExceptions.IllegalAddress)
+        return ReadFileRecordResponse([FileRecord(record_data=b"".join(register(group.file_number, group.record_number + i)
+                                                                       for i in range(group.record_length))) for group in self.records])
+
+    def write(self, _):
+        if refused(self):
+            return self.doException(ModbusExceptions.IllegalAddress)
+        for group in self.records:
+            for i in range(group.record_length):
+                written[group.file_number, group.record_number + i] = group.record_data[2 * i:2 * i + 2]
+        return WriteFileRecordResponse(self.records)
+
+    def encode(self):
+        """Version 3.0 exchanges length and reference type of a group, and counts registers as bytes."""
+        groups = b"".join(struct.pack(">BB", group.response_length, 6) + group.record_data for group in self.records)
+        return struct.pack("B", len(groups)) + groups
+
+    ReadFileRecordRequest.execute, WriteFileRecordRequest.execute, ReadFileRecordResponse.encode = read, write, encode
 
 
 async def serve(kind, place, numbers):
@@ -89,6 +130,9 @@ def main():
         del sys.argv[at:at + 2]
     if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp", "udp"):
         sys.exit(__doc__)
+    ModbusControlBlock().Identity.update(OBJECTS)
+    if SERVES_FILES:
+        serve_files()
     asyncio.run(serve(sys.argv[1], sys.argv[2], [int(n) for n in sys.argv[3:]]))
 
 

@@ -140,6 +140,27 @@ TEST(Lists, RangeNeverCrossesABank) {
   EXPECT_GT(wire.seen(1).count, 5u);
 }
 
+// Only the area of files has lists; registers and objects keep a request for each range.
+TEST(Lists, RecordsOfSeveralFilesShareARequest) {
+  Bus bus("modbus-rtu", 1);
+  for (unsigned i = 0; i < 40; ++i)
+    bus.add(0, "file:" + std::to_string(3 + 7 * i) + ":" + std::to_string(9 * i), 2, 5s);
+  bus.add(0, "file:3:9999", 1, 5s);
+  bus.add(0, "file:4:0", 1, 5s);
+  for (const char* other : {"holding:0", "holding:9000", "id:0", "id:5"}) bus.add(0, other, 1, 5s);
+  const auto scheduler = make_scheduler(bus.input);
+  VirtualWire wire(bus.input, *scheduler);
+  std::size_t most = 0;
+  wire.check = [&](const Block& block) {
+    EXPECT_TRUE(bus.protocol->size(ReadRequest{block.ranges}));
+    most = std::max(most, block.ranges.size());
+  };
+  wire.run(60s);
+  EXPECT_EQ(wire.missed(), 0u);
+  EXPECT_GE(most, 20u);
+  EXPECT_LE(wire.blocks(), wire.seen(0).count * 7);  // 2 requests of files, 2 + 2 others, a spare
+}
+
 TEST(Lists, LimitOfTheDeviceCountsTheItemsOfAllRanges) {
   Bus bus("dtc", 1);
   for (unsigned i = 0; i < 30; ++i) bus.add(0, "int16:" + std::to_string(50 * i), 1, 2s);

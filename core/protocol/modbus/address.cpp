@@ -12,8 +12,11 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, or a reference 00001.., 10001.., 30001.., 40001.. (counted from 1), "
-    "file:F:R, file:F:R.BIT with F 1..65535 and R 0..9999, id:N with N 0..6 or 128..255";
+    "and BIT 0..15, file:F:R, id:N, or a reference 00001.., 10001.., 30001.., 40001.. (counted "
+    "from 1)";
+constexpr std::string_view kRecordAllowed =
+    "file:F:R, file:F:R.BIT with F 1..65535, R 0..9999 and BIT 0..15";
+constexpr std::string_view kObjectAllowed = "id:N with N 0..6 or 128..255";
 
 struct Word {
   std::string_view name;
@@ -54,7 +57,8 @@ std::optional<std::string> as_hexadecimal(std::string_view text) {
   return "0x" + std::string(digits);
 }
 
-constexpr AddressFaults address_fault{kAllowed};
+constexpr AddressFaults address_fault{kAllowed}, record_fault{kRecordAllowed},
+    object_fault{kObjectAllowed};
 
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -83,8 +87,9 @@ std::optional<std::uint8_t> bit_of_word(std::string_view text) {
   const auto bit = number(text);
   return bit && *bit <= 15 ? std::optional(static_cast<std::uint8_t>(*bit)) : std::nullopt;
 }
-ParsedOrFault bit_fault(std::string_view bit, const std::string& whole) {
-  return address_fault("bit " + in_quotes(bit) + " is not 0..15", whole + ".0");
+ParsedOrFault bit_fault(const AddressFaults& fault, std::string_view bit,
+                        const std::string& whole) {
+  return fault("bit " + in_quotes(bit) + " is not 0..15", whole + ".0");
 }
 
 // "4:7", "4:7.3": record 7 of file 4.
@@ -93,20 +98,22 @@ ParsedOrFault parse_record(std::string_view rest) {
   const std::string_view file_text = rest.substr(0, colon);
   const auto file = number(file_text);
   if (!file || *file == 0 || *file >= kFiles)
-    return address_fault("file " + in_quotes(file_text) + " is not 1..65535", "file:1:0");
+    return record_fault("file " + in_quotes(file_text) + " is not 1..65535", "file:1:0");
   const std::string prefix = "file:" + std::string(file_text) + ":";
   if (colon == std::string_view::npos)
-    return address_fault("file " + in_quotes(file_text) + " without a record", prefix + "0");
+    return record_fault("file " + in_quotes(file_text) + " without a record", prefix + "0");
   const std::string_view place = rest.substr(colon + 1);
   const std::size_t dot = place.find('.');
   const auto record = number(place.substr(0, dot));
   if (!record || *record >= kRecords)
-    return address_fault("record " + in_quotes(place.substr(0, dot)) + " is not 0..9999",
-                         prefix + "0");
+    return record_fault("record " + in_quotes(place.substr(0, dot)) + " is not 0..9999",
+                        prefix + "0");
   const std::uint32_t first = *file * kRecords + *record;
   if (dot == std::string_view::npos) return address(Table::kFile, first);
   const auto bit = bit_of_word(place.substr(dot + 1));
-  if (!bit) return bit_fault(place.substr(dot + 1), prefix + std::string(place.substr(0, dot)));
+  if (!bit)
+    return bit_fault(record_fault, place.substr(dot + 1),
+                     prefix + std::string(place.substr(0, dot)));
   return address(Table::kFile, first, bit);
 }
 
@@ -114,7 +121,7 @@ ParsedOrFault parse_record(std::string_view rest) {
 ParsedOrFault parse_object(std::string_view rest) {
   const auto object = number(rest);
   if (!object || *object >= kObjects || (*object > 6 && *object < 128))
-    return address_fault("object " + in_quotes(rest) + " is not 0..6 or 128..255", "id:0");
+    return object_fault("object " + in_quotes(rest) + " is not 0..6 or 128..255", "id:0");
   ParsedAddress parsed = address(Table::kIdentity, *object * kObjectCharacters);
   parsed.text_characters = kObjectCharacters;
   return parsed;
@@ -145,7 +152,7 @@ ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
     return address_fault("a " + std::string(word->name) + " is a bit itself and has no bits",
                          whole);
   const auto bit = bit_of_word(rest.substr(dot + 1));
-  if (!bit) return bit_fault(rest.substr(dot + 1), whole);
+  if (!bit) return bit_fault(address_fault, rest.substr(dot + 1), whole);
   return address(word->table, *first, bit);
 }
 
