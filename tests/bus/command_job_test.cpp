@@ -334,13 +334,15 @@ TEST_F(RawCommandTest, BitsFollowEachOther) {
 
 TEST_F(RawCommandTest, AValueStaysWithinItsBank) {
   use("modbus-rtu");
-  Command command = raw("file:4:9998", {ValueType::kUint32}, {});
-  command.operation = Operation::kAcquire;
-  ASSERT_TRUE(make(command)) << "two registers at the end of the file";
-  command.count = 2;
-  EXPECT_EQ(why_not(command), "'file:4:9998' reaches beyond its bank of the area");
-  EXPECT_EQ(why_not(raw("file:4:9999", {ValueType::kUint32}, {std::uint64_t{7}})),
-            "'file:4:9999' reaches beyond its bank of the area");
+  auto job = make(raw_read("file:4:9998", {ValueType::kUint32}, 2));
+  ASSERT_TRUE(job) << job.error().reason;
+  const auto next_range = [&] { return std::get<ReadRequest>(*job->next()).ranges; };
+  EXPECT_EQ(next_range(), (std::vector<Range>{{4, 49998, 2}}));
+  job->responded(items({0, 0, 0, 1}));
+  EXPECT_EQ(next_range(), (std::vector<Range>{{4, 50000, 2}})) << "values go on in the next file";
+  const std::string fault = "'file:4:9999' reaches beyond its bank of the area";
+  EXPECT_EQ(why_not(raw_read("file:4:9999", {ValueType::kUint32}, 1)), fault);
+  EXPECT_EQ(why_not(raw("file:4:9999", {ValueType::kUint32}, {std::uint64_t{7}})), fault);
 }
 
 TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
