@@ -229,8 +229,9 @@ struct Traits {
   std::string_view summary;          // one human-readable line
   std::uint16_t lowest_address = 1;  // of a device
   std::uint16_t highest_address = 247;
-  std::uint16_t max_ranges = 1;  // ranges in one read request
-  bool write_read = false;       // supports WriteReadRequest
+  // Ranges in one read request; `size` may permit several in some areas only.
+  std::uint16_t max_ranges = 1;
+  bool write_read = false;  // supports WriteReadRequest
   ResponseIdentity identity = ResponseIdentity::kAddress;
   bool echo_is_ambiguous = false;       // the response of some write equals its request
   std::span<const DeviceCode> codes{};  // codes of refusals

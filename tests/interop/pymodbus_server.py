@@ -9,7 +9,7 @@ usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, u
 Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
 libmodbus_server.cpp:
   coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
-Only here: the objects of OBJECTS, and with SERVES_FILES record n of file f = 1000 f + n.
+Only here: the objects of OBJECTS unless a FILE is given, and with SERVES_FILES record n of file f = 1000 f + n.
 """
 
 import asyncio
@@ -130,7 +130,8 @@ def main():
         del sys.argv[at:at + 2]
     if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp", "udp"):
         sys.exit(__doc__)
-    ModbusControlBlock().Identity.update(OBJECTS)
+    if not REGISTERS:
+        ModbusControlBlock().Identity.update(OBJECTS)
     if SERVES_FILES:
         serve_files()
     asyncio.run(serve(sys.argv[1], sys.argv[2], [int(n) for n in sys.argv[3:]]))

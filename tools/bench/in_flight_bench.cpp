@@ -215,6 +215,11 @@ std::vector<BareRead> planned_reads(const BusSpec& bus, const Protocol& protocol
   return reads;
 }
 
+bool has_lists(const BusSpec& bus, const Protocol& protocol) {
+  const AreaIndex area = bus.devices.front().channels.front().range.area;
+  return protocol.size(ReadRequest{{{area, 0, 1}, {area, 2, 1}}}).has_value();
+}
+
 // The simplest master: one request, its response, the next request.
 double bare_loop(const Protocol& protocol, const std::vector<BareRead>& reads, std::uint16_t port,
                  double seconds) {
@@ -296,8 +301,8 @@ void run(double seconds, int in_flight, const Family& family) {
   Plant plant(bus(family, network.port(), in_flight));
   const BusSpec spec = loaded(plant.config());
   const auto protocol = make_protocol(spec.devices.front(), line_of(spec.port)).value();
-  const auto reads = protocol->traits().max_ranges == 1 ? optimal_reads(spec, *protocol)
-                                                        : planned_reads(spec, *protocol);
+  const auto reads =
+      has_lists(spec, *protocol) ? planned_reads(spec, *protocol) : optimal_reads(spec, *protocol);
   double bare = 0, bridged = 0;
   for (int turn = 0; turn < 2; ++turn) {
     bare += bare_loop(*protocol, reads, network.port(), seconds) / 2;

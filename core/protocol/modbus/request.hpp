@@ -88,8 +88,8 @@ inline constexpr std::array kExceptions{
 //     16        address(2) and-mask(2) or-mask(2)                    the request
 //     17        first(2) quantity(2) first(2) quantity(2) count(1)
 //               registers..                                          count(1) registers..
-//     2B        0E code(1) object(1)                                 0E code(1) conformity(1) more(1)
-//                                                                    next(1) objects(1)
+//     2B        0E code(1) object(1)                                 0E code(1) conformity(1)
+//                                                                    more(1) next(1) objects(1)
 //                                                                    [object(1) count(1) text..]..
 //     fn | 80   -                                                    exception code(1)
 //
