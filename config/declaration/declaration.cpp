@@ -24,6 +24,8 @@ constexpr std::size_t kMaxCodes = 1'000;
 constexpr std::size_t kMaxRounds = 8;
 constexpr std::size_t kMaxRefusals = 8;
 constexpr std::size_t kMaxForms = 16;
+constexpr std::string_view kForm = "answer";
+constexpr std::string_view kForms = "answers";
 constexpr std::int64_t kMaxItems = 1 << 24;
 constexpr std::int64_t kMaxOrigin = UINT32_MAX - kMaxItems;
 
@@ -171,9 +173,9 @@ class DeclarationReader {
         map.fault(key, fmt::format("'{}' has no meaning for a frame without a request", key),
                   "no '" + std::string(key) + "'");
     }
-    const Node* forms = map.find("answers");
+    const Node* forms = map.find(kForms);
     if (forms == nullptr)
-      draft.response = frame("answer");
+      draft.response = frame(kForm);
     else
       read_forms(map, *forms, draft);
     if (const Node* before = map.find("before"))
@@ -184,12 +186,12 @@ class DeclarationReader {
   // The response of a read has one of several forms; constants or lengths distinguish them.
   void read_forms(MapReader& map, const Node& node, DraftOperation& draft) {
     const bool record = draft.good && declaration_.areas[draft.operation.area].record;
-    if (map.find("answer") != nullptr)
-      map.fault("answers", "a response has one form and several", "one of answer, answers");
+    if (map.find(kForm) != nullptr)
+      map.fault(kForms, "a response has one form and several", "one of the two keys");
     if (draft.good && (!record || draft.operation.write || map.has("unsolicited")))
-      map.fault("answers", "only a response that reads a record has several forms", "answer");
+      map.fault(kForms, "only a response that reads a record has several forms", kForm);
     draft.response.good = false;
-    if (!is_list(node, "answers", 2, kMaxForms, "a list of 2 to 16 frames", faults_)) return;
+    if (!is_list(node, kForms, 2, kMaxForms, "a list of 2 to 16 frames", faults_)) return;
     for (const Node* item : node.items) {
       DraftFrame form = read_frame(*item, "a form of the response", defaults_, 16, faults_);
       (item == node.items[0] ? draft.response : draft.others.emplace_back()) = std::move(form);

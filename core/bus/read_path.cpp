@@ -102,6 +102,16 @@ void ReadPath::release_held(Instant now, const Gate& gate) {
   });
 }
 
+namespace {
+
+bool is_absent(const Range& own, const RangeReply& reply) {
+  return std::ranges::any_of(reply.absent, [&](const Range& part) {
+    return part.first < own.end() && part.end() > own.first;
+  });
+}
+
+}  // namespace
+
 void ReadPath::responded(const Block& block, const Reply& reply, Instant acquired, Instant now,
                          ActionSink& sink) {
   learn_blocks(block, reply, now);
@@ -122,10 +132,7 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
       bad.back().points.push_back(point);
       continue;
     }
-    const Range& own = map_.points[point].range;
-    if (std::ranges::any_of(reply[found].absent, [&](const Range& part) {
-          return part.first < own.end() && part.end() > own.first;
-        })) {
+    if (is_absent(map_.points[point].range, reply[found])) {
       absent.push_back(point);
       continue;
     }

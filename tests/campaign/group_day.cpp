@@ -53,7 +53,9 @@ void GroupCounts::add(const GroupCounts& other) {
 std::vector<StormKind> group_kinds() {
   std::vector<StormKind> kinds;
   for (const StormKind& kind : storm_kinds()) {
-    if (kind.port.starts_with("{ serial")) kinds.push_back(kind);
+    // Full duplex of DF1 is a line between two stations.
+    if (kind.port.starts_with("{ serial") && kind.name != "allen-bradley-df1")
+      kinds.push_back(kind);
   }
   return kinds;
 }

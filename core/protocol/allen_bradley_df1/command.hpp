@@ -1,10 +1,10 @@
 // Commands of SLC 500 and MicroLogix controllers (1770-6.5.16, 7-17 and 7-18), and their responses.
 //
-//     read    DST SRC 0F 00 TNS A2 size file type element sub            ->  SRC DST 4F STS TNS data
-//     write   DST SRC 0F 00 TNS AA size file type element sub data       ->  SRC DST 4F STS TNS
-//     bit     DST SRC 0F 00 TNS AB 02 file type element sub mask data    ->  SRC DST 4F STS TNS
+//     read    DST SRC 0F 00 TNS A2 size file type element sub           ->  SRC DST 4F STS TNS data
+//     write   DST SRC 0F 00 TNS AA size file type element sub data      ->  SRC DST 4F STS TNS
+//     bit     DST SRC 0F 00 TNS AB 02 file type element sub mask data   ->  SRC DST 4F STS TNS
 //
-// The size is in bytes. A number from 255 on is FF and two bytes. Numbers have their low byte first.
+// The size is in bytes. A number from 255 on is FF and two bytes. The low byte of numbers is first.
 // A refusal has STS, and with STS F0 the byte EXT STS instead of data.
 #pragma once
 

@@ -1,8 +1,8 @@
 // Commands of 1C frames (SH-080008, chapter 18; of FX: data communication edition of the user's
 // manual, JY997D16901, part D, 7), from the command on. A point count of 256 is 00.
 //
-//     BR JR  read bits     command(2) wait(1) device points(2)         ->  a digit for each bit
-//     WR QR  read words    command(2) wait(1) device points(2)         ->  four digits for each word
+//     BR JR  read bits     command(2) wait(1) device points(2)         ->  a digit for a bit
+//     WR QR  read words    command(2) wait(1) device points(2)         ->  four digits for a word
 //     BW JW  write bits    command(2) wait(1) device points(2) digits  ->  no data
 //     WW QW  write words   the same                                    ->  no data
 //     device               BR ..: letter number(4), or letters number(3); JR ..: two digits more
