@@ -189,7 +189,7 @@ class DeclarationReader {
     if (map.find(kForm) != nullptr)
       map.fault(kForms, "a response has one form and several", "one of the two keys");
     if (draft.good && (!record || draft.operation.write || map.has("unsolicited")))
-      map.fault(kForms, "only a response that reads a record has several forms", kForm);
+      map.fault(kForms, "only a response that reads a record has several forms", "one form");
     draft.response.good = false;
     if (!is_list(node, kForms, 2, kMaxForms, "a list of 2 to 16 frames", faults_)) return;
     for (const Node* item : node.items) {

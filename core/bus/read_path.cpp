@@ -119,7 +119,6 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   std::vector<PointIndex> good;
   // Refused points by range, so that the search for a bad point stays within its range.
   std::vector<RefusedPart> bad;
-  std::vector<PointIndex> absent;
   samples.reserve(block.points.size());
   good.reserve(block.points.size());
   const std::size_t responded = std::min(block.ranges.size(), reply.size());
@@ -127,13 +126,10 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   for (const PointIndex point : block.points) {
     const std::size_t found = find_range(block, responded, map_.points[point].range, at);
     if (found != kNowhere) at = found;
-    if (found == kNowhere || reply[found].cause != Cause::kNone) {
-      if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
+    const bool absent = found != kNowhere && is_absent(map_.points[point].range, reply[found]);
+    if (found == kNowhere || absent || reply[found].cause != Cause::kNone) {
+      if (absent || bad.empty() || bad.back().range != found) bad.push_back({found, {}});
       bad.back().points.push_back(point);
-      continue;
-    }
-    if (is_absent(map_.points[point].range, reply[found])) {
-      absent.push_back(point);
       continue;
     }
     good.push_back(point);
@@ -154,7 +150,8 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   }
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {
-    const RangeReply response = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    RangeReply response = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    if (!response.absent.empty()) response.cause = Cause::kDeviceError;
     if (response.cause == Cause::kDeviceBusy) {
       busy(part_of(block, std::move(part.points)), response.device_code, now, sink);
       continue;
@@ -162,8 +159,6 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
     refused(part_of(block, std::move(part.points)), response.cause, response.device_code, now,
             bad_samples, sink);
   }
-  for (const PointIndex point : absent)
-    refused(part_of(block, {point}), Cause::kDeviceError, 0, now, bad_samples, sink);
   sink.publish(std::move(bad_samples));
 }
 
