@@ -98,6 +98,34 @@ TEST(SimCheck, DevicesThatAreNeverRequestedPassTheirMatrix) {
   }
 }
 
+Subject declared_as(const std::string& text);
+
+// The simulated device sends the first form of a response.
+TEST(SimCheck, ValuesOfAnotherFormAreNoFaults) {
+  expect_all_pass({declared_as(R"(
+summary: multimeter
+addresses: { from: 1, to: 9 }
+areas: [{ name: display, record: true }]
+operations:
+  - name: read
+    read: display
+    request: [{ name: ask, constant: "D" }, { is: address }]
+    answers:
+      - - { name: mode, constant: "V" }
+        - { name: volts, is: value, bytes: 2 }
+        - { name: battery, is: value }
+        - { is: checksum, kind: crc16-modbus, bytes: 2, of: mode..battery }
+      - - { name: mode, constant: "A" }
+        - { name: battery, is: value }
+        - { name: amperes, is: value, bytes: 4 }
+        - { is: checksum, kind: crc16-modbus, bytes: 2, of: mode..amperes }
+errors:
+  frames:
+    - [{ name: no, constant: "?" }, { name: code, is: error }]
+    - [{ name: busy, constant: "BUSY" }]
+)")});
+}
+
 Subject declared_as(const std::string& text) {
   auto declaration = config::load_declaration_text(text, "mine.yaml");
   if (!declaration) throw std::runtime_error(config::to_text(std::span(declaration.error())));

@@ -187,6 +187,16 @@ Range aligned(const Range& range, const Area& area) {
   return {range.area, first, std::min(end, area.items) - first};
 }
 
+// Whether the form of the response that the simulated device sends has the value.
+bool is_sent(const Subject& subject, const Range& range) {
+  const auto& declaration = subject.device.declaration.value;
+  if (declaration == nullptr || declaration->areas[range.area].places.empty()) return true;
+  const auto sent = Requests(subject).places(range.area);
+  return std::ranges::any_of(sent, [&](const Slot& slot) {
+    return range.first < slot.range.end() && range.end() > slot.range.first;
+  });
+}
+
 std::string fault_of(const Subject& subject, const Protocol& protocol, const std::string& at) {
   const auto address = protocol.parse_address(at);
   if (!address) return "the bridge does not accept it: " + address.error().what;
@@ -205,7 +215,7 @@ std::string fault_of(const Subject& subject, const Protocol& protocol, const std
     LiveDevice live(one);
     if (!shows(live.device(), area.name, channel.range, channel.encoding, live.now()))
       return "the simulated device keeps it elsewhere";
-    if (channel.unsolicited) return {};
+    if (channel.unsolicited || !is_sent(subject, channel.range)) return {};
     const RunOutcome read =
         live.run(protocol.begin(ReadRequest{{aligned(channel.range, area)}}, {1}));
     return read.done ? std::string{} : "reading it: " + read.text();
