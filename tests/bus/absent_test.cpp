@@ -6,6 +6,7 @@
 
 #include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
+#include "tests/support/multimeter.hpp"
 
 namespace fieldcast {
 namespace {
@@ -14,29 +15,10 @@ using namespace std::chrono_literals;
 using test::VirtualBus;
 
 // The simulated device sends the first form.
-constexpr auto kMeter = R"(
-summary: a multimeter that sends volts or amperes
-addresses: { from: 1, to: 9 }
-areas: [{ name: display, record: true }]
-operations:
-  - name: read
-    read: display
-    request: [{ name: ask, constant: "D" }, { is: address }]
-    answers:
-      - - { name: mode, constant: "V" }
-        - { name: volts, is: value, bytes: 2 }
-        - { name: battery, is: value }
-        - { is: checksum, kind: xor, of: mode..battery }
-      - - { name: mode, constant: "A" }
-        - { name: amperes, is: value, bytes: 2 }
-        - { name: battery, is: value }
-        - { is: checksum, kind: xor, of: mode..battery }
-)";
-
 BusSpec meter() {
   const config::FileReader reader{
       [](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/meter.yaml") return kMeter;
+        if (path == "protocols/meter.yaml") return std::string(test::kMultimeter);
         return tl::unexpected(config::FileError::kMissing);
       },
       {}};
@@ -51,7 +33,7 @@ buses:
         address: 1
         channels:
           - { name: volts, at: volts, type: uint16, refresh: 200ms }
-          - { name: amperes, at: amperes, type: uint16, refresh: 200ms }
+          - { name: amperes, at: amperes, type: uint32, refresh: 200ms }
           - { name: battery, at: battery, type: uint8, refresh: 200ms }
 )",
                                         "plant.yaml", reader);

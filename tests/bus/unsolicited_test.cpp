@@ -117,7 +117,7 @@ TEST(Unsolicited, AChannelIsNotReadOnRequest) {
   EXPECT_THAT(result.reason, testing::HasSubstr("the device sends it by itself"));
 }
 
-// Requests and responses share the line with the frames, some of which collide.
+// Requests, responses and unsolicited frames use one line; some of them collide.
 TEST(Unsolicited, ADeviceIsPolledAndCommandedAsWell) {
   VirtualBus bus(line("      - name: a\n        address: 1\n        channels:\n"
                       "          - { name: w, at: weight, type: float64, refresh: 500ms }\n"

@@ -250,6 +250,7 @@ Step DeclaredExchange::start(Bytes& out) {
 std::vector<Range> DeclaredExchange::absent_places(const Frame& form,
                                                    const std::vector<Range>& not_in_block) const {
   std::vector<Range> absent;
+  if (operation_.others.empty() && not_in_block.empty()) return absent;
   for (const Place& place : declaration_->areas[operation_.area].places) {
     const Range items{operation_.area, place.first, place.items};
     if (items.first >= wanted_.end() || items.end() <= wanted_.first) continue;

@@ -4,6 +4,7 @@
 #include "tests/support/declared_device.hpp"
 #include "tests/support/drive.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/multimeter.hpp"
 
 namespace fieldcast::test {
 namespace {
@@ -79,37 +80,12 @@ operations:
                  .checked = true});
 }
 
-// A multimeter that sends volts or amperes, as its switch says, and refuses in two ways.
-constexpr std::string_view kMeter = R"(
-summary: multimeter
-addresses: { from: 1, to: 9 }
-areas: [{ name: display, record: true }]
-operations:
-  - name: read
-    read: display
-    request: [{ name: ask, constant: "D" }, { is: address }]
-    answers:
-      - - { name: mode, constant: "V" }
-        - { name: volts, is: value, bytes: 2 }
-        - { name: battery, is: value }
-        - { is: checksum, kind: xor, of: mode..battery }
-      - - { name: mode, constant: "A" }
-        - { name: battery, is: value }
-        - { name: amperes, is: value, bytes: 4 }
-        - { is: checksum, kind: xor, of: mode..amperes }
-errors:
-  frames:
-    - [{ name: no, constant: "?" }, { name: code, is: error }]
-    - [{ name: busy, constant: "BUSY" }]
-  codes: { 7: fuse }
-)";
-
 class Forms : public testing::Test {
  protected:
   Outcome read(std::string_view at, const Bytes& response) {
     return drive(*meter_.protocol().begin(meter_.read(at, 1), {1, nullptr}), {response});
   }
-  const Device meter_ = declared_by(kMeter, 1);
+  const Device meter_ = declared_by(kMultimeter, 1);
   const Bytes volts_ = bytes("56 00E6 63 D3"), amperes_ = bytes("41 63 00000102 21");
 };
 
@@ -142,7 +118,7 @@ TEST_F(Forms, EachRefusalIsOne) {
 }
 
 TEST_F(Forms, AreExplained) {
-  const auto loaded = config::load_declaration_text(kMeter, "test.yaml");
+  const auto loaded = config::load_declaration_text(kMultimeter, "test.yaml");
   ASSERT_TRUE(loaded);
   for (const Bytes& frame : {volts_, amperes_, bytes("42555359"), bytes("3F 07")}) {
     const auto fields = declared::explain(*loaded->value, frame);

@@ -5,6 +5,7 @@
 
 #include "config/loader/loader.hpp"
 #include "core/protocol/families/registry.hpp"
+#include "tests/support/multimeter.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
@@ -102,28 +103,7 @@ Subject declared_as(const std::string& text);
 
 // The simulated device sends the first form of a response.
 TEST(SimCheck, ValuesOfAnotherFormAreNoFaults) {
-  expect_all_pass({declared_as(R"(
-summary: multimeter
-addresses: { from: 1, to: 9 }
-areas: [{ name: display, record: true }]
-operations:
-  - name: read
-    read: display
-    request: [{ name: ask, constant: "D" }, { is: address }]
-    answers:
-      - - { name: mode, constant: "V" }
-        - { name: volts, is: value, bytes: 2 }
-        - { name: battery, is: value }
-        - { is: checksum, kind: crc16-modbus, bytes: 2, of: mode..battery }
-      - - { name: mode, constant: "A" }
-        - { name: battery, is: value }
-        - { name: amperes, is: value, bytes: 4 }
-        - { is: checksum, kind: crc16-modbus, bytes: 2, of: mode..amperes }
-errors:
-  frames:
-    - [{ name: no, constant: "?" }, { name: code, is: error }]
-    - [{ name: busy, constant: "BUSY" }]
-)")});
+  expect_all_pass({declared_as(std::string(test::kMultimeter))});
 }
 
 Subject declared_as(const std::string& text) {
