@@ -13,6 +13,7 @@ namespace fieldcast {
 namespace {
 
 constexpr std::size_t kPrefixAt = 8;  // offset in the header of a message
+constexpr EntityBytes kEveryReader{};
 constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
 constexpr std::size_t kBehind = 8;  // bytes that the library may read after the last fragment
 constexpr std::size_t kSampleSizeAt = 32;              // offset in DATA_FRAG
@@ -44,11 +45,14 @@ DatagramGuard::DatagramGuard(const RtpsLimits& limits) : limits_(limits) {
   counts_.tokens = static_cast<double>(kStep);
 }
 
-std::size_t DatagramGuard::Hash::operator()(const Guid& guid) const {
+std::size_t DatagramGuard::Hash::operator()(const Seen& seen) const {
   std::uint64_t upper = 0, lower = 0;
-  std::memcpy(&upper, guid.data(), 8);
-  std::memcpy(&lower, guid.data() + 8, 8);
-  return static_cast<std::size_t>((upper ^ lower * 0x9e3779b97f4a7c15U) * 0xff51afd7ed558ccdU);
+  std::uint32_t reader = 0;
+  std::memcpy(&upper, seen.writer.data(), 8);
+  std::memcpy(&lower, seen.writer.data() + 8, 8);
+  std::memcpy(&reader, seen.reader.data(), sizeof reader);
+  return static_cast<std::size_t>((upper ^ (lower + reader) * 0x9e3779b97f4a7c15U) *
+                                  0xff51afd7ed558ccdU);
 }
 
 DatagramGuard::Verdict DatagramGuard::check(std::span<const std::uint8_t> datagram,
@@ -96,6 +100,9 @@ bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
 std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
   // Of a member, signed: it is valid only as it is.
   if (event.is_protected && event.kind != Submessage::kDataFrag) return std::nullopt;
+  // The library ignores it.
+  if (event.to != ParticipantPrefix{} && own_ != ParticipantPrefix{} && event.to != own_)
+    return std::nullopt;
   if (!is_of_sender(event)) return RtpsFault::kSender;
   switch (event.kind) {
     case Submessage::kHeartbeat: return on_heartbeat(event);
@@ -128,9 +135,11 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
   if (const auto found = participants_.find(prefix); found != participants_.end()) {
     Participant& known = found->second;
     if (now_ - known.seen > known.lease) {  // the library has removed it, and counts from 0 again
-      for (const Guid& endpoint : known.endpoints) writers_.erase(endpoint);
+      known.order = ++joined_;
+      for (auto& [guid, order] : known.endpoints) order = ++joined_;
     }
     known.seen = now_;
+    known.lease = std::chrono::seconds{facts.lease_seconds};
     add_addresses(known, facts);
     return std::nullopt;
   }
@@ -209,15 +218,17 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
     endpoints_ -= endpoints.erase(guid);
     return std::nullopt;
   }
-  if (endpoints.contains(guid)) return std::nullopt;
+  if (const auto known = endpoints.find(guid); known != endpoints.end()) {
+    known->second = ++joined_;  // it may match other readers from now on
+    return std::nullopt;
+  }
   if (endpoints.size() >= limits_.endpoints) return RtpsFault::kEndpoints;
   if (endpoints_ >= limits_.endpoints_in_all) {
     found->second.seen = now_;  // it must not remove itself
     if (!make_room(true)) return RtpsFault::kEndpoints;
   }
-  endpoints.insert(guid);
+  endpoints.emplace(guid, ++joined_);
   ++endpoints_;
-  writers_.erase(guid);  // the library has not counted its numbers yet
   return std::nullopt;
 }
 
@@ -228,10 +239,33 @@ DatagramGuard::Guid DatagramGuard::guid_of(const EntityBytes& writer) const {
   return guid;
 }
 
+// The order in which the writer was announced, built-in ones with their participant; 0: never.
+std::uint64_t DatagramGuard::announced(const Guid& writer) const {
+  ParticipantPrefix prefix{};
+  std::copy_n(writer.begin(), prefix.size(), prefix.begin());
+  const auto of = participants_.find(prefix);
+  if (of == participants_.end()) return 0;
+  if ((writer.back() & kBuiltIn) == kBuiltIn) return of->second.order;
+  const auto found = of->second.endpoints.find(writer);
+  return found == of->second.endpoints.end() ? 0 : found->second;
+}
+
+// The library may have counted no number of a writer that was announced again. It may also have
+// kept the GAPs of it.
+DatagramGuard::Writer& DatagramGuard::state_of(const Guid& writer, const EntityBytes& reader) {
+  const Seen seen{writer, reader};
+  if (writers_.size() >= kMostWriters && !writers_.contains(seen)) writers_.clear();
+  Writer& state = writers_[seen];
+  if (const std::uint64_t order = announced(writer); order != state.announced)
+    state = {.announced = order, .gapped = state.gapped, .gap_end = state.gap_end};
+  return state;
+}
+
 DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
   const Guid guid = guid_of(event.writer);
-  if (writers_.size() >= kMostWriters && !writers_.contains(guid)) writers_.clear();
-  Writer& writer = writers_[guid];
+  const std::int64_t counted = state_of(guid, kEveryReader).counted;
+  Writer& writer = state_of(guid, event.reader);
+  writer.counted = std::max(writer.counted, counted);
   if (writer.last < 0) return writer;
   // The numbers of a writer grow while it is not heard.
   const double silence = to_seconds(now_ - writer.seen);
@@ -258,11 +292,9 @@ bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
 
 std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
   Writer& writer = writer_of(event);
-  const bool is_newer = event.count > writer.count;  // as in WriterProxy::process_heartbeat()
   if (event.first > kFarthest || !may_reach(writer, event.base - 1))
     return RtpsFault::kSequenceNumber;
-  if (!is_newer) return std::nullopt;  // the library ignores it
-  writer.count = event.count;
+  writer.count = std::max(writer.count, event.count);
   if (event.first >= writer.gap_end) writer.gapped = 0;
   limit_count(event, writer, event.first);
   return std::nullopt;

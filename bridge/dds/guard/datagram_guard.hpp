@@ -19,7 +19,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -46,6 +45,9 @@ class DatagramGuard final : private RtpsEvents {
   [[nodiscard]] Verdict check(std::span<const std::uint8_t> datagram, const Address& from,
                               Instant now, Bytes& scratch);
 
+  // The name of the participant that the guard serves. Until then, all datagrams count as for it.
+  void serve(const ParticipantPrefix& own) { own_ = own; }
+
   [[nodiscard]] std::size_t participants() const { return participants_.size(); }
   [[nodiscard]] std::size_t endpoints() const { return endpoints_; }
 
@@ -60,17 +62,25 @@ class DatagramGuard final : private RtpsEvents {
 
  private:
   using Guid = std::array<std::uint8_t, 16>;
+  // A writer as one of our readers sees it, or as all do (kEveryReader): the library counts the
+  // numbers of a writer for each reader, and a message can name one that does not exist.
+  struct Seen {
+    Guid writer{};
+    EntityBytes reader{};
+    friend bool operator==(const Seen&, const Seen&) = default;
+  };
   struct Hash {
-    std::size_t operator()(const Guid& guid) const;
+    std::size_t operator()(const Seen& seen) const;
   };
   struct Participant {
     Instant seen{};
     Duration lease{};
-    std::uint64_t order = 0;  // in which it joined
-    std::set<Guid> endpoints;
-    std::vector<Address> addresses;  // source addresses
+    std::uint64_t order = 0;                  // in which it joined
+    std::map<Guid, std::uint64_t> endpoints;  // with the order of their announcements
+    std::vector<Address> addresses;           // source addresses
   };
   struct Writer {
+    std::uint64_t announced = 0;  // the order of its announcement; 0: the library does not know it
     Instant seen{};
     std::int64_t last = -1;    // highest announced number; -1: none yet
     std::int64_t counted = 0;  // number up to which the library has counted
@@ -97,17 +107,20 @@ class DatagramGuard final : private RtpsEvents {
   void forget(const ParticipantPrefix& prefix);
   // GUID of a writer of the datagram's sender.
   [[nodiscard]] Guid guid_of(const EntityBytes& writer) const;
+  [[nodiscard]] std::uint64_t announced(const Guid& writer) const;
   Writer& writer_of(const RtpsEvent& event);
+  Writer& state_of(const Guid& writer, const EntityBytes& reader);
   bool may_reach(Writer& writer, std::int64_t number) const;
   void limit_count(const RtpsEvent& event, Writer& writer, std::int64_t first);
   std::span<std::uint8_t> copy();  // a copy of the datagram for changes
 
   const RtpsLimits limits_;
+  ParticipantPrefix own_{};
   std::map<ParticipantPrefix, Participant> participants_;
   std::size_t endpoints_ = 0;
   std::uint64_t joined_ = 0;
   std::map<Address, Bucket> joins_;
-  std::unordered_map<Guid, Writer, Hash> writers_;
+  std::unordered_map<Seen, Writer, Hash> writers_;
   std::deque<std::pair<Guid, std::int64_t>> fragmented_;  // writer and number, newest last
   Bucket fragment_bytes_, counts_;
 
@@ -129,6 +142,11 @@ class DatagramGuard final : private RtpsEvents {
 class SharedGuard {
  public:
   explicit SharedGuard(const RtpsLimits& limits) : guard_(limits) {}
+
+  void serve(const ParticipantPrefix& own) {
+    const std::lock_guard lock(mutex_);
+    guard_.serve(own);
+  }
 
   // As DatagramGuard::check(), now; `scratch` belongs to the caller's thread. Counts refused
   // datagrams, and logs the first of a cause, the tenth, the hundredth and so on.

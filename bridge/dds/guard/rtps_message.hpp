@@ -102,6 +102,7 @@ struct RtpsLimits {
   std::uint32_t joins_per_second = 200;     // of one address; bursts of four times as many
   std::uint32_t endpoints = 8192;           // of one participant
   std::uint32_t endpoints_in_all = 65536;   // of all participants
+  bool secured = false;                     // DDS Security: protected parts are read as they are
   bool relayed = false;  // a discovery server may announce entities of other participants
   friend bool operator==(const RtpsLimits&, const RtpsLimits&) = default;
 };

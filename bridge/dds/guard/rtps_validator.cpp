@@ -65,6 +65,7 @@ class Validator {
     const Bytes rest = datagram_.subspan(at_);
     if (rest.size() < kSubmessageHeader) return RtpsFault::kSubmessage;
     event_ = {};
+    event_.to = to_;
     event_.kind = static_cast<Submessage>(rest[0]);
     event_.at = at_;
     event_.little = (rest[1] & kLittleEndianFlag) != 0;
@@ -109,7 +110,8 @@ class Validator {
     const bool is_fast_dds = datagram_[6] == 1 && datagram_[7] == 15;
     if (kind == Submessage::kStatistics && is_fast_dds && !is_last) return RtpsFault::kOrder;
     is_open_ = is_protected_ || step_ != Step::kOutside;
-    event_.is_protected = is_open_;
+    // Without DDS Security, the library reads what is between the headers as if they were not there.
+    event_.is_protected = is_open_ && limits_.secured;
     return std::nullopt;
   }
 
@@ -132,7 +134,10 @@ class Validator {
       case Submessage::kPad: return std::nullopt;
       case Submessage::kInfoTs:
         return (flags_ & kInvalidTime) != 0 || body.size() >= 8 ? Fault{} : RtpsFault::kSubmessage;
-      case Submessage::kInfoDst: return body.size() >= 12 ? Fault{} : RtpsFault::kSubmessage;
+      case Submessage::kInfoDst:
+        if (body.size() < to_.size()) return RtpsFault::kSubmessage;
+        std::copy_n(body.begin(), to_.size(), to_.begin());
+        return std::nullopt;
       case Submessage::kInfoSource: return check_source(body);
       // They redirect responses; Fieldcast needs no DDS that uses them.
       case Submessage::kInfoReply:
@@ -343,6 +348,7 @@ class Validator {
   std::size_t at_ = 0;
   std::uint8_t flags_ = 0;
   RtpsEvent event_;
+  ParticipantPrefix to_{};
   Step step_ = Step::kOutside;
   bool is_protected_ = false;  // between the prefix and the postfix of a whole message
   bool is_closed_ = false;     // after that postfix

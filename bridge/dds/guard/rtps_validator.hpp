@@ -20,6 +20,7 @@ struct RtpsEvent {
   std::size_t at = 0;  // of the submessage, in the datagram
   bool little = false;
   bool is_protected = false;  // DDS Security: a change would make it invalid
+  ParticipantPrefix to{};     // whom it is for; zeros: everyone
   EntityBytes reader{}, writer{};
   std::int64_t first = 0;   // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
   std::int64_t base = 0;    // of GAP: the first number after the range

@@ -128,6 +128,7 @@ void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
 
 RtpsLimits limits_of(const DdsSpec& spec) {
   RtpsLimits limits;
+  limits.secured = spec.security.has_value();
   limits.relayed = !spec.discovery_servers.empty() || spec.profile.has_value();
   limits.participants = spec.max_participants;
   limits.endpoints = spec.max_endpoints;
@@ -221,8 +222,9 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   }
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  const dds::DomainParticipantQos qos = participant_qos(
-      spec, name, {std::make_shared<SharedGuard>(limits_of(spec)), filter_, servers_.restarts()});
+  const auto guard = std::make_shared<SharedGuard>(limits_of(spec));
+  const dds::DomainParticipantQos qos =
+      participant_qos(spec, name, {guard, filter_, servers_.restarts()});
   // Discovery callbacks reach the listener anyway: they have no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, &servers_, dds::StatusMask::none()));
@@ -232,6 +234,9 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
                                         " says what is wrong with its identity"
                                   : ""));
   }
+  ParticipantPrefix prefix{};
+  std::copy_n(participant_->guid().guidPrefix.value, prefix.size(), prefix.begin());
+  guard->serve(prefix);
   dds::PublisherQos publisher = dds::PUBLISHER_QOS_DEFAULT;
   dds::SubscriberQos subscriber = dds::SUBSCRIBER_QOS_DEFAULT;
   if (spec.partition) {

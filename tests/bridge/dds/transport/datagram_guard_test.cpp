@@ -271,17 +271,71 @@ TEST(DatagramGuard, StepsBeginAgainAfterTheLease) {
   EXPECT_NE(one.bytes, heartbeat(kStep + 3, kStep + 3, 3));
 }
 
+// A participant may shorten its lease; the library then removes it earlier.
+TEST(DatagramGuard, StepsBeginAgainAfterAShortenedLease) {
+  constexpr auto kStep = DatagramGuard::kStep;
+  Checked one;
+  Datagram shortened = announcement();
+  const Datagram lease = words({0x00080002, 20, 0});
+  const auto at = std::search(shortened.begin(), shortened.end(), lease.begin(), lease.end());
+  ASSERT_NE(at, shortened.end());
+  at[4] = 1;
+  for (const Datagram& known :
+       {announcement(), shortened, endpoint(kSamplesWriter[2]), heartbeat(kStep + 1, kStep + 1, 1)})
+    ASSERT_EQ(one.cause_of(known), "none");
+  one.wait(std::chrono::seconds{2});
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(kStep + 3, kStep + 3, 3)), "none");
+  EXPECT_NE(one.bytes, heartbeat(kStep + 3, kStep + 3, 3));
+}
+
 // DDS Security: a changed byte makes a signed message invalid, and its sender is a member.
 TEST(DatagramGuard, ASignedMessageReachesTheLibraryAsItCame) {
-  Checked one;
   const std::int64_t far = 2 * DatagramGuard::kStep;
   Datagram all = of_submessage(0x33, 1, Datagram(20, 1));
   all = joined(joined(all, heartbeat(far, far, 1)), gap(1, far));
   Datagram postfix(16, 3);
   put_all(postfix, words({0}));
   put_submessage(all, 0x34, 1, postfix);
-  ASSERT_EQ(one.cause_of(all), "none");
-  EXPECT_EQ(one.bytes, all);
+  Checked secured({.secured = true}), plain;
+  ASSERT_EQ(secured.cause_of(all), "none");
+  EXPECT_EQ(secured.bytes, all);
+  // Without DDS Security, the library reads the parts as if nothing protected them.
+  plain.cause_of(all);
+  EXPECT_NE(plain.bytes, all);
+}
+
+// The library does not count for a reader that does not exist, or in a message to another
+// participant.
+TEST(DatagramGuard, StepsCountOnlyWhatTheLibraryCounts) {
+  const std::int64_t far = 2 * DatagramGuard::kStep;
+  const auto for_reader = [&](const EntityBytes& reader, std::uint32_t count) {
+    Datagram named = heartbeat(far, far, count);
+    std::ranges::copy(reader, named.begin() + 24);
+    return named;
+  };
+  const auto to = [](std::uint32_t participant, const Datagram& what) {
+    const ParticipantPrefix prefix = numbered(participant);
+    return joined(of_submessage(0x0e, 1, Datagram(prefix.begin(), prefix.end())), what);
+  };
+  // Returns whether `counted`, sent twice, makes the guard pass a far number to one reader.
+  const auto opens = [&](const Datagram& counted) {
+    Checked one;
+    one.guard.serve(numbered(7));
+    for (const Datagram& known : {announcement(), endpoint(kSamplesWriter[2]), counted})
+      EXPECT_EQ(one.cause_of(known), "none");
+    one.wait(std::chrono::seconds{4});
+    EXPECT_EQ(one.cause_of(counted), "none");
+    const Datagram jump = for_reader(kSamplesReader, 0xffffffff);
+    EXPECT_EQ(one.cause_of(jump), "none");
+    return one.bytes == jump;
+  };
+  constexpr EntityBytes kEvery{}, kNone{0, 0, 9, 4};
+  EXPECT_TRUE(opens(for_reader(kEvery, 1)));
+  EXPECT_TRUE(opens(to(7, for_reader(kSamplesReader, 1))));
+  EXPECT_FALSE(opens(for_reader(kNone, 1)));
+  EXPECT_FALSE(opens(to(8, for_reader(kSamplesReader, 1))));
+  EXPECT_FALSE(opens(to(8, for_reader(kEvery, 0xffffffff))));
 }
 
 // CVE-2023-50257: the library believes each "has left", and each new address of a participant.
