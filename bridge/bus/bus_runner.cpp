@@ -83,6 +83,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         mapping_(read_clocks()) {
     std::random_device random;  // differs between the bridges on one wire
     engine_.set_fence_order(random() % WireFence::kRanks, random());
+    engine_.number_requests_from(static_cast<std::uint16_t>(random()));
     if (const auto* serial = std::get_if<SerialPortSpec>(&spec_.port))
       watch_.emplace(io, serial->path, [this] { device_came(); });
   }

@@ -54,6 +54,10 @@ class BusEngine {
   // See wire_fence.hpp. Call before the first event.
   void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
 
+  // A device may take a request for a repeated one if a restarted bridge numbers it as its last.
+  // Call before the first event.
+  void number_requests_from(std::uint16_t sequence) { parts_.late.number_from(sequence); }
+
   // After StopRequested: when pending responses may still arrive; kLongAgo if there are none.
   [[nodiscard]] Instant responses_until() const {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();

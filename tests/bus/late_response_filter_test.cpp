@@ -55,6 +55,13 @@ class LateResponseFilterTest : public testing::Test {
   ExchangeDriver driver_{setup_.line(), 20ms, Echo::kAbsent};
 };
 
+TEST_F(LateResponseFilterTest, NumbersOfRequestsBeginWhereTheyAreTold) {
+  EXPECT_EQ(late_.next_context(0).sequence, 1);
+  late_.number_from(0xfffe);
+  EXPECT_EQ(late_.next_context(0).sequence, 0xffff);
+  EXPECT_EQ(late_.next_context(0).sequence, 0) << "16 bits";
+}
+
 TEST_F(LateResponseFilterTest, WhatCouldBeMistakenWaitsAndTheRestGoesOn) {
   give_up(ask(read(100, 1), Instant{}));
   EXPECT_EQ(sendable_from(read(100, 1)), kLongAgo) << "the same read again";

@@ -31,6 +31,10 @@ class LateResponseFilter {
 
   explicit LateResponseFilter(const BusSetup& setup);  // `setup` must outlive this object
 
+  // The numbers of requests begin above this one; by default, with 1.
+  void number_from(std::uint16_t sequence) {
+    for (Device& device : devices_) device.sequence = sequence;
+  }
   [[nodiscard]] ExchangeContext next_context(DeviceIndex device) {
     return {++devices_[device].sequence};
   }
