@@ -12,21 +12,16 @@ namespace fieldcast {
 
 BlockWriter::BlockWriter(Domain& domain, const std::string& label, Stream stream,
                          SnapshotSender& snapshots)
-    : domain_(domain),
-      stream_(std::move(stream)),
-      snapshots_(snapshots),
-      values_(stream_.channels) {
+    : stream_(std::move(stream)),
+      values_(stream_.channels),
+      writer_(
+          domain,
+          [&domain, label](dds::DataWriterListener* listener, dds::StatusMask mask) {
+            return domain.writer(kSampleBlockTopic, label, listener, mask);
+          },
+          [this, &snapshots] { snapshots.matched(stream_.bus, true); }) {
   block_.bus() = cut_text(stream_.bus, kMaxNameLength);
   block_.epoch(stream_.epoch);
-  writer_ = domain_.writer(kSampleBlockTopic, label, this, dds::StatusMask::publication_matched());
-}
-
-BlockWriter::~BlockWriter() { domain_.remove(writer_); }
-
-void BlockWriter::on_publication_matched(dds::DataWriter*,
-                                         const dds::PublicationMatchedStatus& status) {
-  readers_.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
-  if (status.current_count_change > 0) snapshots_.matched(stream_.bus, true);
 }
 
 void BlockWriter::go_on_with(std::uint64_t epoch, std::uint64_t number,
@@ -84,7 +79,7 @@ void BlockWriter::send(BlockFiller& filler, bool snapshot) {
   filler.finish();
   block_.number(++number_);
   block_.snapshot(snapshot);
-  writer_->write(&block_);
+  writer_.write(&block_);
 }
 
 SnapshotSender::SnapshotSender(Domain& domain, Send send, std::function<void()> asked)

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "bridge/dds/endpoints/renewed_writer.hpp"
 #include "bridge/dds/topics/block.hpp"
 #include "bridge/dds/transport/domain.hpp"
 
@@ -22,7 +23,7 @@ namespace fieldcast {
 
 class SnapshotSender;
 
-class BlockWriter : private dds::DataWriterListener {
+class BlockWriter {
  public:
   // Largest block in bytes: with all peers on this machine; on networks, to fit into one packet.
   static constexpr std::size_t kBytesOnLoopback = 32'000, kBytesOnNetworks = 1'300;
@@ -35,7 +36,6 @@ class BlockWriter : private dds::DataWriterListener {
   };
   // Requests a snapshot for each new reader. Throws DdsError.
   BlockWriter(Domain& domain, const std::string& label, Stream stream, SnapshotSender& snapshots);
-  ~BlockWriter() override;
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
@@ -50,23 +50,20 @@ class BlockWriter : private dds::DataWriterListener {
   // Returns false if the channel has no value.
   [[nodiscard]] bool last_value(ChannelIndex channel, LastValue& out) const;
 
-  [[nodiscard]] std::uint32_t readers() const { return readers_.load(std::memory_order_relaxed); }
+  void tidy(Instant now) { writer_.tidy(now); }  // call it regularly
+
+  [[nodiscard]] std::uint32_t readers() const { return writer_.readers(); }
   [[nodiscard]] std::uint64_t written() const { return number_.load(std::memory_order_relaxed); }
 
  private:
-  void on_publication_matched(dds::DataWriter*,
-                              const dds::PublicationMatchedStatus& status) override;
   void send(BlockFiller& filler, bool snapshot);  // REQUIRES: mutex_ held
 
-  Domain& domain_;
   const Stream stream_;
-  SnapshotSender& snapshots_;
-  std::atomic<std::uint32_t> readers_{0};
   mutable std::mutex mutex_;       // protects the members below and the order of blocks
   std::vector<LastValue> values_;  // by channel index
   idl::SampleBlock block_;
   std::atomic<std::uint64_t> number_{0};  // of the last block; changed with mutex_ held
-  dds::DataWriter* writer_ = nullptr;
+  RenewedWriter writer_;
 };
 
 // Decides when the last values of a bus are sent again: for new readers, and for readers that lost

@@ -77,7 +77,10 @@ void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at)
   if (bus == state_->buses.begin()->second.get()) add_refused_datagrams(bus->status.causes());
   bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
-  bus->samples.tidy(state_->handlers.clock().instant);
+  const Instant now = state_->handlers.clock().instant;
+  bus->samples.tidy(now);
+  bus->blocks.tidy(now);
+  state_->reports.tidy(now);
   state_->reports.write(bus->status);
 }
 

@@ -40,25 +40,36 @@ struct LinkedBus {
   bool write_failed = false;
 };
 
-// One writer for each Report of topics.hpp, which all buses share.
+// One writer for each Report of topics.hpp, which all buses share. Those of the periodic ones are
+// renewed.
 class ReportWriters {
  public:
   ReportWriters(Domain& domain, const std::string& label) {
     for_each_report([&]<class Generated>(const Report<Generated>& topic) {
-      writers_[typeid(typename Generated::type)] = domain.writer(topic, label);
+      writers_.emplace(std::piecewise_construct,
+                       std::tuple(std::type_index(typeid(typename Generated::type))),
+                       std::forward_as_tuple(
+                           domain, [&domain, &topic, label](auto* listener, dds::StatusMask mask) {
+                             return domain.writer(topic, label, listener, mask);
+                           }));
     });
   }
   template <class Message>
-  void write(Message& message) const {
-    writers_.at(typeid(Message))->write(&message);
+  void write(Message& message) {
+    writers_.at(typeid(Message)).write(&message);
   }
   template <class Message>
-  void unregister(Message& message) const {
-    writers_.at(typeid(Message))->unregister_instance(&message, dds::HANDLE_NIL);
+  void unregister(Message& message) {
+    writers_.at(typeid(Message)).unregister(&message);
+  }
+  // Each instance of these topics is written again within the overlap.
+  void tidy(Instant now) {
+    writers_.at(typeid(idl::BusStatus)).tidy(now);
+    writers_.at(typeid(idl::DeviceStatus)).tidy(now);
   }
 
  private:
-  std::map<std::type_index, dds::DataWriter*> writers_;
+  std::map<std::type_index, RenewedWriter> writers_;
 };
 
 struct DdsLink::State {
@@ -100,7 +111,7 @@ struct DdsLink::State {
   const std::string label;
   ResultSender results;
   dds::DataWriter* const catalogue_blocks;
-  const ReportWriters reports;
+  ReportWriters reports;
   std::unique_ptr<InterestReceiver> interests;
   Receivers receivers;  // set by listen_for_commands()
   // Receivers for members restricted to a bus, by bus.

@@ -17,6 +17,8 @@ struct SampleWriters::Writer : dds::DataWriterListener {
   const std::optional<Duration> refresh;
   dds::DataWriter* entity = nullptr;
   std::atomic<std::uint32_t> channels{0};
+  std::uint64_t written = 0;
+  std::optional<Instant> full_since;  // when its successor was made
   std::optional<Instant> idle_since;  // no channels since; set by the next tidy()
   std::atomic<std::uint64_t> misses{0};
   std::atomic<std::uint32_t> readers{0};
@@ -56,7 +58,7 @@ SampleWriters::~SampleWriters() { dispose(Duration::zero()); }
 
 SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh) {
   for (const auto& writer : writers_) {
-    if (writer->refresh == refresh &&
+    if (writer->refresh == refresh && writer->written < RenewedWriter::kMostMessages &&
         writer->channels < static_cast<std::uint32_t>(kChannelsPerWriter))
       return *writer;
   }
@@ -139,6 +141,7 @@ bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& map
 
 bool SampleWriters::write(Slot& slot) {
   slot.order = ++writes_;
+  ++slot.writer->written;
   OutgoingSample outgoing = slot.outgoing();
   return is_taken(slot.writer->entity->write(&outgoing));
 }
@@ -174,6 +177,7 @@ void SampleWriters::tidy(Instant now) {
   const std::lock_guard lock(mutex_);
   tidy_up(now);
   rest_if_unread(now);
+  renew(now);
 }
 
 void SampleWriters::tidy_up(Instant now) {
@@ -235,8 +239,32 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   Slot& slot = slots_[channel];
   Writer* const old = slot.writer;
   if (old != nullptr && old->refresh == refresh) return false;
+  attach_anew(channel, refresh);
+  return true;
+}
+
+// Moves the channels of writers that have written many messages, see renewed_writer.hpp. The next
+// writer has matched its readers before.
+void SampleWriters::renew(Instant now) {
+  for (ChannelIndex channel = 0; channel < slots_.size(); ++channel) {
+    Writer* const writer = slots_[channel].writer;
+    if (writer == nullptr || writer->written < RenewedWriter::kMostMessages) continue;
+    try {
+      if (!writer->full_since) {
+        (void)writer_for(writer->refresh);
+        writer->full_since = now;
+      } else if (now - *writer->full_since >= kIdle) {
+        attach_anew(channel, writer->refresh);
+      }
+    } catch (const DdsError&) { return; }
+  }
+}
+
+void SampleWriters::attach_anew(ChannelIndex channel, std::optional<Duration> refresh) {
+  Slot& slot = slots_[channel];
+  Writer* const old = slot.writer;
   attach(slot, refresh);
-  if (old == nullptr) return true;
+  if (old == nullptr) return;
   --old->channels;
   if (slot.written()) {
     (void)write(slot);
@@ -246,7 +274,6 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
     old->idle_since.reset();
     any_idle_ = true;
   }
-  return true;
 }
 
 void SampleWriters::let_go(Instant now) {

@@ -100,7 +100,10 @@ class SampleWriters {
   void remove_idle_writers(Instant now);
   void rest_if_unread(Instant now);
   bool make_anew();  // false: the library cannot create writers; nothing changed
-  void attach(Slot& slot, std::optional<Duration> refresh);  // throws DdsError
+  void renew(Instant now);
+  // Both throw DdsError. The second one writes the last sample at the new writer.
+  void attach(Slot& slot, std::optional<Duration> refresh);
+  void attach_anew(ChannelIndex channel, std::optional<Duration> refresh);
   // Assigns a writer without refresh to an acquired write-only channel. False: none can be created.
   bool has_writer(Slot& slot);
   [[nodiscard]] bool has_readers() const;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
+#include "bridge/dds/endpoints/renewed_writer.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/subscription.hpp"
@@ -279,6 +280,51 @@ TEST(DdsLink, SampleWritersRestAfterTheirLastReaderAndServeTheNextOne) {
   const OneByOne reader("two");
   ASSERT_TRUE(eventually([&] { return channels_of(reader.samples.all(), bus).size() == 2; }));
   for (const StationSample& sample : reader.samples.all()) EXPECT_EQ(sample.sequence, 2u);
+}
+
+// A reader of the library counts one by one up to the first message of a writer that it can get.
+TEST(DdsLink, WritersThatHaveWrittenManyMessagesAreReplaced) {
+  const std::string bus = bus_name("renewed");
+  Received received;
+  DdsLink::Handlers handlers = received.handlers();
+  std::atomic<int> ahead = 0;  // seconds
+  handlers.clock = [&] {
+    UtcMapping now = both_clocks();
+    now.instant += std::chrono::seconds{ahead};
+    return now;
+  };
+  DdsLink link(loopback(), "test", handlers);
+  link.add_bus(bus_of(bus, 2));
+  const OneByOne each("each");
+  std::atomic<std::uint64_t> last = 0;
+  Station by_block(loopback(), "by block");
+  by_block.subscribe_samples([&](const StationSample& sample) {
+    if (sample.bus == bus) last = sample.sequence;
+  });
+  ASSERT_TRUE(eventually([&] {
+    const auto counters = link.counters(bus);
+    return counters.block_readers > 0 && counters.sample_readers > 0;
+  }));
+  std::uint64_t sequence = 0;
+  while (sequence < RenewedWriter::kMostMessages)
+    link.publish(bus, one_of_each(2, ++sequence), both_clocks());
+  for (ahead = 10; ahead <= 40; ahead += 10) link.report(bus, BusReport{}, both_clocks().utc);
+
+  link.publish(bus, one_of_each(2, ++sequence), both_clocks());
+  EXPECT_TRUE(eventually([&] { return last == sequence; }));
+  EXPECT_TRUE(eventually([&] { return each.samples.all().back().sequence == sequence; }));
+  EXPECT_EQ(link.counters(bus).sample_writers, 1u);
+  Domain late(loopback(), "late", nullptr);
+  const auto number_of = [&](auto&& topic, auto message) {
+    dds::DataReader* reader = late.reader(topic, nullptr, dds::StatusMask::none());
+    dds::SampleInfo info;
+    EXPECT_TRUE(eventually(
+        [&] { return reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK; }));
+    late.remove(reader);
+    return info.sample_identity.sequence_number().to64long();
+  };
+  EXPECT_LT(number_of(kSampleTopic, idl::Sample{}), 10);
+  EXPECT_LT(number_of(kSampleBlockTopic, idl::SampleBlock{}), 10);
 }
 
 TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
