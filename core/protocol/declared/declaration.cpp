@@ -163,6 +163,10 @@ bool Operation::echoes() const {
          std::ranges::equal(request.fields, response.fields, can_have_same_bytes);
 }
 
+std::string item_text(const DeclaredArea& area, std::uint32_t item) {
+  return area.prefix + spelt(area.origin + item, area.base);
+}
+
 tl::expected<DeviceAddress, OptionFault> device_address(const Declaration& declaration,
                                                         const DeviceLink& link) {
   const std::string text =

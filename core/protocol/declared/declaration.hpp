@@ -174,8 +174,11 @@ struct DeviceAddress {
 [[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make(
     std::shared_ptr<const Declaration> declaration, const DeviceLink& link);
 
-// Reads the frame as the one of the declaration that it matches best.
-[[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame);
+enum class Sender : std::uint8_t { kUnknown, kBridge, kDevice };
+// Reads the frame as the one of the declaration that it matches best; `sender` decides if several
+// match equally. Offsets are those of the wire.
+[[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame,
+                                              Sender sender = Sender::kUnknown);
 
 // See Protocol::find_unsolicited().
 [[nodiscard]] UnsolicitedFrame find_unsolicited(const Declaration& declaration,
@@ -183,6 +186,9 @@ struct DeviceAddress {
                                                 bool boundary);
 
 [[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
+
+// `holding:100`. REQUIRES: item < area.items.
+[[nodiscard]] std::string item_text(const DeclaredArea& area, std::uint32_t item);
 
 // `holding:100`, `holding:100.5`, or a place of a record by its name. Pure.
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(

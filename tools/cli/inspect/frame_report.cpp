@@ -55,19 +55,23 @@ ValueDecoder* FrameReport::decoder_of(const std::string& bus) {
 
 FrameReport::Explained FrameReport::explain(const SeenFrame& frame,
                                             const ValueDecoder* decoder) const {
+  const auto sender = !frame.direction                       ? declared::Sender::kUnknown
+                      : *frame.direction == Direction::kSent ? declared::Sender::kBridge
+                                                             : declared::Sender::kDevice;
   const DeviceSpec* device = decoder == nullptr ? nullptr : &decoder->asked_device();
   const bool declared = device != nullptr && device->declaration &&
                         (frame.protocol.empty() || frame.protocol == device->protocol);
   if (declared)
-    return {device->protocol, declared::explain(*device->declaration.value, frame.bytes)};
+    return {device->protocol, declared::explain(*device->declaration.value, frame.bytes, sender)};
   const std::string& name =
       frame.protocol.empty() && device != nullptr ? device->protocol : frame.protocol;
   if (const ProtocolEntry* entry = find_protocol(name)) return {name, entry->explain(frame.bytes)};
   if (!options_.protocol) return {name, {}};
   const NamedProtocol& given = *options_.protocol;
   return {std::string(given.name()),
-          given.built_in != nullptr ? given.built_in->explain(frame.bytes)
-                                    : declared::explain(*given.declaration.value, frame.bytes)};
+          given.built_in != nullptr
+              ? given.built_in->explain(frame.bytes)
+              : declared::explain(*given.declaration.value, frame.bytes, sender)};
 }
 
 void FrameReport::show(const SeenFrame& frame) {
