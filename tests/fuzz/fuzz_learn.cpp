@@ -24,9 +24,11 @@ void run_frames(ByteView data) {
   if (proposal.operations.size() > learn::kMaxGroups) std::abort();
   std::string text = learn::declaration_text(proposal);
   for (const auto& operation : proposal.operations) {
-    for (const auto& row : learn::rows_of(operation, proposal.text)) {
-      if (row.frames > row.of) std::abort();
-      text += row.content + row.note;
+    for (const auto* fields : {&operation.request, &operation.response}) {
+      for (const auto& field : *fields) {
+        if (field.evidence.holds > field.evidence.of) std::abort();
+        text += learn::content_of(field, proposal.text) + field.note;
+      }
     }
   }
   for (const char c : text) {

@@ -567,7 +567,7 @@ TEST(Learn, FramesWithoutARequest) {
 void expect_valid(ExchangePairing& pairing) {
   const Proposal proposal = learn(pairing.finish());
   for (const LearnedOperation& operation : proposal.operations)
-    EXPECT_FALSE(rows_of(operation, proposal.text).empty() && operation.refusal.empty());
+    EXPECT_FALSE(operation.response.empty() && operation.refusal.empty());
   if (proposal.is_declarable()) (void)declared_by(proposal);
 }
 

@@ -81,40 +81,19 @@ std::optional<ExitCode> read_input(const InspectOptions& options, const Streams&
 
 void print_json(const learn::Proposal& proposal, std::ostream& out) {
   for (const auto& operation : proposal.operations) {
-    for (const auto& row : learn::rows_of(operation, proposal.text))
-      out << Json{{"operation", operation.name},
-                  {"frame", row.frame},
-                  {"at", row.at},
-                  {"width", row.width},
-                  {"content", row.content},
-                  {"frames", row.frames},
-                  {"of", row.of},
-                  {"note", row.note}}
-                 .text()
-          << '\n';
-  }
-}
-
-// A comment of the declaration, so that the whole output is one.
-void print_table(const learn::Proposal& proposal, std::ostream& out) {
-  for (const auto& operation : proposal.operations) {
-    out << fmt::format("# {}: {}\n", operation.name,
-                       counted(operation.exchanges, "exchange", "exchanges"));
-    TextTable table({{"FRAME"},
-                     {"AT", Align::kRight},
-                     {"WIDTH", Align::kRight},
-                     {"FIELD"},
-                     {"FRAMES", Align::kRight},
-                     {"NOTE"}});
-    for (const auto& row : learn::rows_of(operation, proposal.text))
-      table.add_row({{row.frame},
-                     {std::to_string(row.at)},
-                     {row.width == 0 ? "" : std::to_string(row.width)},
-                     {row.content},
-                     {fmt::format("{}/{}", row.frames, row.of)},
-                     {row.note}});
-    for (const std::string& line : table.render({})) out << "#   " << line << '\n';
-    out << "#\n";
+    for (const auto* fields : {&operation.request, &operation.response}) {
+      for (const auto& field : *fields)
+        out << Json{{"operation", operation.name},
+                    {"frame", fields == &operation.request ? "request" : "response"},
+                    {"at", field.at},
+                    {"width", field.width},
+                    {"content", learn::content_of(field, proposal.text)},
+                    {"frames", field.evidence.holds},
+                    {"of", field.evidence.of},
+                    {"note", field.note}}
+                   .text()
+            << '\n';
+    }
   }
 }
 
@@ -125,20 +104,19 @@ ExitCode learn_protocol(const InspectOptions& options, const Streams& to) {
   if (const auto fault = read_input(options, to, input)) return *fault;
   const auto exchanges = input.exchanges();
   const learn::Proposal proposal = learn::learn(exchanges);
+  const std::string text = learn::declaration_text(proposal);
   to.err << fmt::format("fieldcast inspect: {}\n", input.summary());
   for (const std::string& note : proposal.notes)
     to.err << fmt::format("fieldcast inspect: {}\n", note);
-  if (options.json) {
+  if (options.json)
     print_json(proposal, to.out);
-  } else {
-    print_table(proposal, to.out);
-    to.out << learn::declaration_text(proposal);
-  }
+  else
+    to.out << text;
   if (!proposal.is_declarable()) {
     to.err << "fieldcast inspect: no operation can be declared\n";
     return ExitCode::kFound;
   }
-  const auto loaded = config::load_declaration_text(learn::declaration_text(proposal), "proposal");
+  const auto loaded = config::load_declaration_text(text, "proposal");
   if (loaded) {
     const auto explained = learn::explained_by(*loaded->value, exchanges);
     to.err << fmt::format("fieldcast inspect: the proposal explains {} of {} different frames\n",

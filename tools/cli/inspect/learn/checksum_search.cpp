@@ -1,6 +1,7 @@
 #include "tools/cli/inspect/learn/checksum_search.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "core/codec/digits.hpp"
 
@@ -40,6 +41,11 @@ std::vector<Algorithm> algorithms() {
   return all;
 }
 
+unsigned bits_of(const declared::Word& word) {
+  if (word.notation == Notation::kDecimal) return 8;
+  return word.characters * (word.notation == Notation::kHex ? 4u : 8u);
+}
+
 // Different frames, the shortest first, as they cost the least.
 Frames sample_of(const Frames& frames) {
   Frames sample;
@@ -55,82 +61,88 @@ Frames sample_of(const Frames& frames) {
 
 class Search {
  public:
-  Search(const Frames& sample, bool text) : sample_(sample), text_(text) {}
+  Search(const Frames& frames, bool text) : sample_(sample_of(frames)), text_(text) {}
 
   std::optional<FoundChecksum> run() {
-    const std::size_t end = constant_end(sample_, kMaxTrailer);
+    if (sample_.size() < 2) return std::nullopt;
     for (const Algorithm& algorithm : algorithms()) {
-      for (const Notation notation : notations(algorithm)) {
-        for (const bool little : {false, true}) {
-          if (little && (algorithm.bytes == 1 || notation == Notation::kDecimal)) continue;
-          FoundChecksum found{std::string(algorithm.name), algorithm.check, {}};
-          found.word = {notation, characters(notation, algorithm.bytes), little};
-          // The last character of a checksum is rarely constant.
-          for (std::size_t back = 0; back <= std::min<std::size_t>(end, 1); ++back) {
-            found.trailer = end - back;
-            try_gaps(found);
-          }
-        }
-      }
+      for (const declared::Word& word : words(algorithm)) try_word(algorithm, word);
     }
     if (!best_ || best_->values * bits_of(best_->word) < kNeededBits) return std::nullopt;
     return best_;
   }
 
+  std::optional<FoundChecksum> run_like(FoundChecksum found) {
+    if (measure(found)) return found;
+    for (found.from = 0; found.from <= kMaxFrom; ++found.from) {
+      if (measure(found) && found.values > 1) return found;
+    }
+    return std::nullopt;
+  }
+
  private:
-  [[nodiscard]] std::vector<Notation> notations(const Algorithm& algorithm) const {
-    if (!text_) return {Notation::kBinary};
-    if (algorithm.bytes == 1 && algorithm.check.kind != CheckKind::kCrc)
-      return {Notation::kHex, Notation::kDecimal, Notation::kBinary};
-    return {Notation::kHex, Notation::kBinary};
+  [[nodiscard]] std::vector<declared::Word> words(const Algorithm& algorithm) const {
+    const unsigned bytes = algorithm.bytes;
+    std::vector<declared::Word> all;
+    if (text_) all.push_back(digits(Notation::kHex, std::size_t{2} * bytes));
+    if (text_ && bytes == 1 && algorithm.check.kind != CheckKind::kCrc)
+      all.push_back(digits(Notation::kDecimal, 3));
+    all.push_back(binary(bytes));
+    for (std::size_t i = all.size(); bytes > 1 && i-- > 0;)
+      all.insert(all.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                 declared::Word{all[i].notation, all[i].characters, true});
+    return all;
   }
-  static std::uint8_t characters(Notation notation, unsigned bytes) {
-    if (notation == Notation::kDecimal) return 3;
-    return static_cast<std::uint8_t>(notation == Notation::kHex ? 2 * bytes : bytes);
-  }
-  static unsigned bits_of(const declared::Word& word) {
-    if (word.notation == Notation::kDecimal) return 8;
-    return word.characters * (word.notation == Notation::kHex ? 4u : 8u);
+
+  void try_word(const Algorithm& algorithm, const declared::Word& word) {
+    FoundChecksum found{algorithm.name, algorithm.check, word};
+    const std::size_t end = constant_end(sample_, kMaxTrailer);
+    // The last character of a checksum is rarely constant.
+    for (std::size_t back = 0; back <= std::min<std::size_t>(end, 1); ++back) {
+      found.trailer = end - back;
+      try_gaps(found);
+    }
   }
 
   void try_gaps(FoundChecksum found) {
-    const auto at = -static_cast<std::ptrdiff_t>(found.trailer + found.word.characters);
     if (bits_of(found.word) > 8 && found.check.kind == CheckKind::kSum) {
-      const auto top = found.word.little_endian ? at + found.word.characters - 1 : at;
+      const auto top = found.at() + (found.word.little_endian ? found.word.characters - 1 : 0);
       if (values_at(sample_, top).size() < 2) return;  // a narrow sum behind a constant
     }
     for (found.gap = 0; found.gap <= kMaxGap; ++found.gap) {
-      if (found.gap > 0 && !constant_at(sample_, at - static_cast<std::ptrdiff_t>(found.gap)))
+      if (found.gap > 0 &&
+          !constant_at(sample_, found.at() - static_cast<std::ptrdiff_t>(found.gap)))
         break;
       for (const bool over_bytes : {false, true}) {
         if (over_bytes && found.word.notation != Notation::kHex) continue;
         found.check.over_bytes = over_bytes;
-        for (found.from = 0; found.from <= kMaxFrom; ++found.from) try_one(found);
+        for (found.from = 0; found.from <= kMaxFrom; ++found.from) {
+          const auto rank = [](const FoundChecksum& each) {
+            return std::pair(each.evidence.holds, each.values);
+          };
+          if (measure(found) && (!best_ || rank(found) > rank(*best_))) best_ = found;
+        }
       }
     }
   }
 
-  void try_one(FoundChecksum& found) {
-    found.evidence = {0, sample_.size()};
-    const std::size_t allowed = sample_.size() / 10;
+  // False if it does not fit nearly all frames.
+  bool measure(FoundChecksum& found) {
+    found.evidence = {};
     std::set<std::uint64_t> values;
-    for (std::size_t i = 0; i < sample_.size(); ++i) {
-      if (i - found.evidence.holds > allowed || work_ > kMaxWork) return;
-      work_ += sample_[i].size() / (found.check.kind == CheckKind::kCrc ? 1 : 8) + 1;
-      if (!found.fits(sample_[i])) continue;
-      ++found.evidence.holds;
-      const auto at = -static_cast<std::ptrdiff_t>(found.trailer + found.word.characters);
-      values.insert(number_at(sample_[i], at, found.word).value_or(0));
+    for (const ByteView frame : sample_) {
+      const std::size_t failed = found.evidence.of - found.evidence.holds;
+      if (failed > sample_.size() / 10 || work_ > kMaxWork) return false;
+      work_ += frame.size() / (found.check.kind == CheckKind::kCrc ? 1 : 8) + 1;
+      found.evidence.add(found.fits(frame));
+      if (found.evidence.of - found.evidence.holds == failed)
+        values.insert(*number_at(frame, found.at(), found.word));
     }
     found.values = values.size();
-    if (!found.evidence.holds_mostly()) return;
-    const auto rank = [](const FoundChecksum& each) {
-      return std::pair(each.evidence.holds, each.values);
-    };
-    if (!best_ || rank(found) > rank(*best_)) best_ = found;
+    return found.evidence.holds_mostly();
   }
 
-  const Frames& sample_;
+  const Frames sample_;
   const bool text_;
   std::size_t work_ = 0;
   std::optional<FoundChecksum> best_;
@@ -140,39 +152,20 @@ class Search {
 
 bool FoundChecksum::fits(ByteView frame) const {
   if (frame.size() < from + 1 + end_size()) return false;
-  const std::size_t at = frame.size() - trailer - word.characters;
-  const auto number = declared::read_word(frame.subspan(at, word.characters), word);
+  const auto number = number_at(frame, at(), word);
   if (!number) return false;
-  const ByteView covered = frame.subspan(from, at - gap - from);
-  const bool decimal = word.notation == Notation::kDecimal;
-  const unsigned bits = decimal ? 8 : word.characters * (word.notation == Notation::kHex ? 4u : 8u);
-  if (!check.over_bytes) return declared::check_of(check, bits, covered) == *number;
+  const ByteView covered = frame.subspan(from, frame.size() - end_size() - from);
+  if (!check.over_bytes) return declared::check_of(check, bits_of(word), covered) == *number;
   const auto bytes = read_hex_bytes(covered);
-  return bytes && declared::check_of(check, bits, *bytes) == *number;
+  return bytes && declared::check_of(check, bits_of(word), *bytes) == *number;
 }
 
 std::optional<FoundChecksum> find_same_checksum(const Frames& frames, const FoundChecksum& other) {
-  const Frames sample = sample_of(frames);
-  for (std::size_t i = 0; i <= kMaxFrom + 1; ++i) {
-    FoundChecksum found = other;
-    if (i > 0) found.from = i - 1;
-    found.evidence = {0, sample.size()};
-    std::set<std::uint64_t> values;
-    for (const ByteView frame : sample) {
-      if (!found.fits(frame)) continue;
-      ++found.evidence.holds;
-      const auto at = -static_cast<std::ptrdiff_t>(found.trailer + found.word.characters);
-      values.insert(number_at(frame, at, found.word).value_or(0));
-    }
-    found.values = values.size();
-    if (found.evidence.holds_mostly() && (i == 0 || found.values > 1)) return found;
-  }
-  return std::nullopt;
+  return Search(frames, false).run_like(other);
 }
 
 std::optional<FoundChecksum> find_checksum(const Frames& frames, bool text) {
-  const Frames sample = sample_of(frames);
-  return sample.size() < 2 ? std::nullopt : Search(sample, text).run();
+  return Search(frames, text).run();
 }
 
 }  // namespace fieldcast::learn

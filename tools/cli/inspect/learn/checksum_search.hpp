@@ -2,15 +2,14 @@
 // plausible span. Pure.
 #pragma once
 
-#include <string>
+#include <string_view>
 
-#include "core/protocol/declared/declaration.hpp"
 #include "tools/cli/inspect/learn/frames.hpp"
 
 namespace fieldcast::learn {
 
 struct FoundChecksum {
-  std::string kind;  // as a declaration names it: "sum", "lrc", "crc-16/modbus"
+  std::string_view kind;  // as a declaration names it: "sum", "lrc", "crc-16/modbus"
   declared::Check check;
   declared::Word word;
   std::size_t from = 0;     // first covered character
@@ -19,6 +18,10 @@ struct FoundChecksum {
   Evidence evidence;
   std::size_t values = 0;  // different values of the checksum that fit
   [[nodiscard]] std::size_t end_size() const { return gap + word.characters + trailer; }
+  // Below 0, as it is counted from the end.
+  [[nodiscard]] std::ptrdiff_t at() const {
+    return -static_cast<std::ptrdiff_t>(word.characters + trailer);
+  }
   [[nodiscard]] bool fits(ByteView frame) const;
 };
 

@@ -2,11 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <set>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "core/base/bytes.hpp"
@@ -20,6 +17,7 @@ struct Evidence {
   std::size_t holds = 0, of = 0;  // frames
   // Captures contain refusals and broken frames: one in ten frames may differ.
   [[nodiscard]] bool holds_mostly() const { return of > 0 && holds * 10 >= of * 9; }
+  void add(bool held) { ++of, holds += held ? 1 : 0; }
 };
 
 [[nodiscard]] std::optional<std::uint8_t> byte_at(ByteView frame, std::ptrdiff_t at);
@@ -27,8 +25,15 @@ struct Evidence {
 [[nodiscard]] std::optional<std::uint64_t> number_at(ByteView frame, std::ptrdiff_t at,
                                                      const declared::Word& word);
 
-// The values of a column; frames that end before it do not count.
-[[nodiscard]] std::set<std::uint8_t> values_at(const Frames& frames, std::ptrdiff_t at);
+// The values of the columns at .. end-1; frames that end before do not count. An end of 0 is that
+// of the frame.
+[[nodiscard]] std::set<std::uint8_t> values_in(const Frames& frames, std::ptrdiff_t at,
+                                               std::ptrdiff_t end);
+[[nodiscard]] inline std::set<std::uint8_t> values_at(const Frames& frames, std::ptrdiff_t at) {
+  return values_in(frames, at, at + 1);
+}
+// Different values of the columns at .. end-1.
+[[nodiscard]] std::size_t different(const Frames& frames, std::ptrdiff_t at, std::ptrdiff_t end);
 // The byte that nearly all frames have there.
 [[nodiscard]] std::optional<std::uint8_t> constant_at(const Frames& frames, std::ptrdiff_t at);
 // Of this many last characters that are constant.
@@ -37,13 +42,21 @@ struct Evidence {
 [[nodiscard]] std::size_t longest(const Frames& frames);
 
 [[nodiscard]] bool is_text(const Frames& frames);
-[[nodiscard]] constexpr bool is_decimal_digit(std::uint8_t c) { return c >= '0' && c <= '9'; }
+// Each character of the columns at .. end-1 is a digit of the base 10 or 16.
+[[nodiscard]] bool are_digits(const Frames& frames, std::ptrdiff_t at, std::ptrdiff_t end,
+                              int base);
 
-[[nodiscard]] inline declared::Word binary(unsigned bytes, bool little_endian = false) {
+// The numbers that may be added to each byte, if all are packed decimal digits then.
+[[nodiscard]] std::set<std::uint8_t> packed_adds(const std::set<std::uint8_t>& values);
+
+[[nodiscard]] inline declared::Word binary(std::size_t bytes, bool little_endian = false) {
   return {declared::Notation::kBinary, static_cast<std::uint8_t>(bytes), little_endian};
 }
 [[nodiscard]] inline declared::Word digits(declared::Notation notation, std::size_t count) {
   return {notation, static_cast<std::uint8_t>(count)};
 }
+// Of a text, decimal digits if no digit is above 9.
+[[nodiscard]] declared::Word word_at(const Frames& frames, std::ptrdiff_t at, std::size_t width,
+                                     bool text);
 
 }  // namespace fieldcast::learn

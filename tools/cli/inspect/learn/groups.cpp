@@ -5,64 +5,62 @@
 
 #include "core/codec/digits.hpp"
 #include "tools/cli/inspect/learn/length_rule.hpp"
-#include "tools/cli/inspect/learn/proposal.hpp"
 
 namespace fieldcast::learn {
 namespace {
 
+using declared::FieldKind;
+
 constexpr std::ptrdiff_t kMaxShift = 12;
 constexpr std::ptrdiff_t kMaxCommandAt = 20;
+constexpr std::ptrdiff_t kMaxAddress = 8;
 constexpr std::size_t kMaxCommands = 16;
 constexpr std::size_t kMaxTried = 128;  // exchanges of a group when a division is tried
 
-Frames requests_of(const std::vector<Group>& groups) {
+Frames all_of(const Groups& groups, Frames Group::*side) {
   Frames all;
   for (const Group& group : groups)
-    all.insert(all.end(), group.requests.begin(), group.requests.end());
-  return all;
-}
-Frames responses_of(const std::vector<Group>& groups) {
-  Frames all;
-  for (const Group& group : groups)
-    all.insert(all.end(), group.responses.begin(), group.responses.end());
+    all.insert(all.end(), (group.*side).begin(), (group.*side).end());
   return all;
 }
 
+// Groups of equal keys, in the order of their first request.
 template <typename Key>
-std::vector<Group> divided(const Group& whole, const Key& key) {
-  std::map<decltype(key(ByteView{})), std::size_t> index;
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < whole.requests.size(); ++i) {
-    const auto [at, is_new] = index.try_emplace(key(whole.requests[i]), groups.size());
-    if (is_new) groups.emplace_back();
-    groups[at->second].requests.push_back(whole.requests[i]);
-    groups[at->second].responses.push_back(whole.responses[i]);
+Groups divided(const Groups& groups, const Key& key) {
+  Groups all;
+  for (const Group& group : groups) {
+    std::map<Bytes, std::size_t> index;
+    for (std::size_t i = 0; i < group.requests.size(); ++i) {
+      const auto [at, is_new] = index.try_emplace(key(group.requests[i]), all.size());
+      if (is_new) all.emplace_back();
+      all[at->second].add(group.requests[i], group.responses[i]);
+    }
   }
-  return groups;
+  return all;
 }
 
-// Letters and marks of a text are its command; digits are its numbers.
-std::string skeleton(ByteView request, std::size_t end_size) {
-  std::string text(request.begin(), request.end());
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (hex_digit(request[i]) >= 0 || i + end_size >= text.size()) text[i] = '0';
-  }
-  return text;
+Groups divided_by(const Groups& groups, std::ptrdiff_t column, std::ptrdiff_t width = 1) {
+  return divided(groups, [&](ByteView request) {
+    Bytes bytes;
+    for (std::ptrdiff_t i = column; i < column + width; ++i)
+      bytes.push_back(byte_at(request, i).value_or(0));
+    return bytes;
+  });
 }
 
 // A letter that differs is a command, if no digit occurs in its column.
 std::optional<std::ptrdiff_t> letter_column(const Group& group, std::size_t end_size) {
-  for (std::size_t i = 0; i + end_size < shortest(group.requests); ++i) {
-    const auto values = values_at(group.requests, static_cast<std::ptrdiff_t>(i));
+  for (std::ptrdiff_t i = 0; i + end_size < shortest(group.requests); ++i) {
+    const auto values = values_at(group.requests, i);
     if (values.size() > 1 && values.size() <= 6 && group.requests.size() >= 4 &&
-        std::ranges::none_of(values, is_decimal_digit))
-      return static_cast<std::ptrdiff_t>(i);
+        std::ranges::none_of(values, [](std::uint8_t c) { return c >= '0' && c <= '9'; }))
+      return i;
   }
   return std::nullopt;
 }
 
 // Description length: a group whose responses follow a rule costs little.
-std::size_t cost_of(const std::vector<Group>& groups, bool text) {
+std::size_t cost_of(const Groups& groups, bool text) {
   std::size_t cost = 0;
   for (const Group& group : groups) {
     const std::size_t size = group.requests.size(), tried = std::min(size, kMaxTried);
@@ -78,91 +76,36 @@ std::size_t cost_of(const std::vector<Group>& groups, bool text) {
   return cost;
 }
 
-std::vector<Group> divided_by(const std::vector<Group>& groups, std::ptrdiff_t column,
-                              std::ptrdiff_t width = 1) {
-  std::vector<Group> all;
-  for (const Group& group : groups) {
-    const auto key = [&](ByteView request) {
-      Bytes bytes;
-      for (std::ptrdiff_t i = column; i < column + width; ++i)
-        bytes.push_back(byte_at(request, i).value_or(0));
-      return bytes;
-    };
-    for (Group& part : divided(group, key)) all.push_back(std::move(part));
-  }
-  return all;
-}
-
-struct Echoed {
-  std::ptrdiff_t column = 0;
-  Evidence evidence;
-};
-
-// Repeated columns that differ within a group.
-std::vector<Echoed> echoes_of(const std::vector<Group>& groups, std::ptrdiff_t shift,
-                              std::size_t needed) {
-  std::vector<Echoed> found;
-  for (std::ptrdiff_t column = std::max<std::ptrdiff_t>(0, -shift); column < kMaxHead; ++column) {
-    Echoed echoed{column, {}};
-    bool differs = false;
-    for (const Group& group : groups) {
-      const Evidence one = echo_of(group, column, shift);
-      echoed.evidence.holds += one.holds;
-      echoed.evidence.of += one.of;
-      differs = differs || (one.holds_mostly() && values_at(group.requests, column).size() > 1);
-    }
-    if (differs && echoed.evidence.of * 4 >= needed && echoed.evidence.holds_mostly())
-      found.push_back(echoed);
-  }
-  return found;
-}
-
-std::size_t different(const Frames& frames, std::ptrdiff_t at, std::ptrdiff_t end) {
-  std::set<Bytes> values;
-  for (const ByteView frame : frames) {
-    Bytes value;
-    for (std::ptrdiff_t i = at; i < end; ++i) value.push_back(byte_at(frame, i).value_or(0));
-    values.insert(value);
-  }
-  return values.size();
-}
-
 // Nearly every request has the number of the one before, plus one.
 bool is_counter(const Frames& requests, std::ptrdiff_t at) {
   Evidence steps;
   for (std::size_t i = 1; i < requests.size(); ++i) {
     const auto before = byte_at(requests[i - 1], at), now = byte_at(requests[i], at);
-    if (!before || !now) continue;
-    ++steps.of;
-    if (static_cast<std::uint8_t>(*before + 1) == *now) ++steps.holds;
+    if (before && now) steps.add(static_cast<std::uint8_t>(*before + 1) == *now);
   }
   return steps.of >= 6 && steps.holds * 10 >= steps.of * 8;
 }
 
 class Finder {
  public:
-  explicit Finder(const std::vector<Exchange>& exchanges) {
-    Group whole;
-    for (const Exchange& each : exchanges) {
-      whole.requests.emplace_back(each.request);
-      whole.responses.emplace_back(each.response);
-    }
-    in_order_ = whole.requests;
-    out_.groups = {std::move(whole)};
+  explicit Finder(const std::vector<Exchange>& exchanges)
+      : groups_(out_.groups), roles_(out_.roles) {
+    groups_.emplace_back();
+    for (const Exchange& each : exchanges) groups_.front().add(each.request, each.response);
+    in_order_ = groups_.front().requests;
   }
 
   Grouping run() {
-    Roles& roles = out_.roles;
-    const Frames requests = requests_of(out_.groups), responses = responses_of(out_.groups);
-    roles.text = is_text(requests) && is_text(responses);
-    roles.request_check = find_checksum(requests, roles.text);
-    roles.response_check = find_checksum(responses, roles.text);
-    if (!roles.request_check && roles.response_check)
-      roles.request_check = find_same_checksum(requests, *roles.response_check);
-    if (!roles.response_check && roles.request_check)
-      roles.response_check = find_same_checksum(responses, *roles.request_check);
-    end_size_ = roles.request_check ? roles.request_check->end_size() : 0;
-    roles.text ? divide_text() : divide_binary();
+    const Frames responses = groups_.front().responses;
+    roles_.text = is_text(in_order_) && is_text(responses);
+    roles_.request_check = find_checksum(in_order_, roles_.text);
+    roles_.response_check = find_checksum(responses, roles_.text);
+    if (!roles_.request_check && roles_.response_check)
+      roles_.request_check = find_same_checksum(in_order_, *roles_.response_check);
+    if (!roles_.response_check && roles_.request_check)
+      roles_.response_check = find_same_checksum(responses, *roles_.request_check);
+    end_size_ = roles_.request_check ? roles_.request_check->end_size() : 0;
+    roles_.text ? divide_text() : divide_binary();
     find_echoes();
     find_sequence();
     find_address();
@@ -171,135 +114,150 @@ class Finder {
   }
 
  private:
+  // Letters and marks of a text are its command; digits are its numbers.
   void divide_text() {
-    out_.groups = divided(out_.groups.front(),
-                          [&](ByteView request) { return skeleton(request, end_size_); });
-    for (std::size_t i = 0; i < out_.groups.size() && out_.groups.size() < kMaxGroups; ++i) {
-      while (const auto column = letter_column(out_.groups[i], end_size_)) {
-        auto parts = divided_by({out_.groups[i]}, *column);
-        out_.groups[i] = std::move(parts.front());
-        out_.groups.insert(out_.groups.end(), parts.begin() + 1, parts.end());
+    groups_ = divided(groups_, [&](ByteView request) {
+      Bytes skeleton(request.begin(), request.end());
+      for (std::size_t i = 0; i < skeleton.size(); ++i) {
+        if (hex_digit(request[i]) >= 0 || i + end_size_ >= skeleton.size()) skeleton[i] = '0';
+      }
+      return skeleton;
+    });
+    for (std::size_t i = 0; i < groups_.size() && groups_.size() < kMaxGroups; ++i) {
+      while (const auto column = letter_column(groups_[i], end_size_)) {
+        Groups parts = divided_by({groups_[i]}, *column);
+        groups_[i] = std::move(parts.front());
+        groups_.insert(groups_.end(), parts.begin() + 1, parts.end());
       }
     }
-    divide_by_digits();
-  }
-
-  // Two digits that the responses repeat, if the responses then follow a rule.
-  void divide_by_digits() {
-    std::size_t best = cost_of(out_.groups, true);
-    const auto whole = out_.groups;
+    // Two digits that the responses repeat, if the responses then follow a rule.
+    const Groups whole = groups_;
     const auto is_digit = [&](std::ptrdiff_t column) {
       return std::ranges::all_of(whole, [&](const Group& group) {
-        return is_digit_column(group.requests, column) && echo_of(group, column, 0).holds_mostly();
+        return are_digits(group.requests, column, column + 1, 16) &&
+               echo_of({&group, 1}, column, 0).holds_mostly();
       });
     };
-    for (std::ptrdiff_t column = 1; column < kMaxCommandAt && whole.size() < kMaxGroups; ++column) {
-      if (!is_digit(column) || !is_digit(column + 1)) continue;
-      const auto values = different(in_order_, column, column + 2);
-      if (values < 2 || values > kMaxCommands) continue;
-      auto parts = divided_by(whole, column, 2);
-      const std::size_t cost = cost_of(parts, true);
-      if (cost < best) best = cost, out_.groups = std::move(parts);
-    }
+    if (whole.size() < kMaxGroups)
+      divide(2, [&](std::ptrdiff_t at) { return at > 0 && is_digit(at) && is_digit(at + 1); });
   }
 
   void divide_binary() {
-    std::size_t best = cost_of(out_.groups, false);
-    const auto whole = out_.groups;
-    for (std::ptrdiff_t column = 0; column < kMaxCommandAt; ++column) {
-      const auto values = values_at(whole.front().requests, column);
-      if (values.size() < 2 || values.size() > kMaxCommands) continue;
-      auto parts = divided_by(whole, column);
-      const std::size_t cost = cost_of(parts, false);
-      if (cost >= best) continue;
-      best = cost;
-      out_.groups = std::move(parts);
-      out_.roles.command = {column, 1};
-    }
+    if (const auto column = divide(1, [](std::ptrdiff_t) { return true; }))
+      roles_.command = {.kind = FieldKind::kCommand, .at = *column, .width = 1, .word = binary(1)};
   }
 
+  // By the columns of which the groups cost the least, if that is less than the whole.
+  template <typename MayBe>
+  std::optional<std::ptrdiff_t> divide(std::ptrdiff_t width, const MayBe& may_be) {
+    std::optional<std::ptrdiff_t> found;
+    std::size_t best = cost_of(groups_, roles_.text);
+    const Groups whole = groups_;
+    for (std::ptrdiff_t column = 0; column < kMaxCommandAt; ++column) {
+      const auto values = different(in_order_, column, column + width);
+      if (values < 2 || values > kMaxCommands || !may_be(column)) continue;
+      Groups parts = divided_by(whole, column, width);
+      const std::size_t cost = cost_of(parts, roles_.text);
+      if (cost < best) best = cost, found = column, groups_ = std::move(parts);
+    }
+    return found;
+  }
+
+  // The distance at which most columns that differ within a group are repeated.
   void find_echoes() {
     for (std::ptrdiff_t i = 0; i <= 2 * kMaxShift; ++i) {
       const std::ptrdiff_t shift = i % 2 == 0 ? i / 2 : -(i + 1) / 2;
-      auto found = echoes_of(out_.groups, shift, in_order_.size());
-      if (found.size() > echoes_.size()) echoes_ = std::move(found), out_.roles.shift = shift;
+      std::map<std::ptrdiff_t, Evidence> found;
+      for (std::ptrdiff_t column = std::max<std::ptrdiff_t>(0, -shift); column < kMaxHead;
+           ++column) {
+        const Evidence all = echo_of(groups_, column, shift);
+        const bool differs = std::ranges::any_of(groups_, [&](const Group& group) {
+          return echo_of({&group, 1}, column, shift).holds_mostly() &&
+                 values_at(group.requests, column).size() > 1;
+        });
+        if (differs && all.of * 4 >= in_order_.size() && all.holds_mostly()) found[column] = all;
+      }
+      if (found.size() > echoes_.size()) echoes_ = std::move(found), roles_.shift = shift;
     }
+  }
+
+  // `at`: if there are several, the first one.
+  LearnedField echoed(FieldKind kind, std::ptrdiff_t at, std::ptrdiff_t end) const {
+    const auto width = static_cast<std::size_t>(end - at);
+    LearnedField field{.kind = kind, .at = at, .width = width};
+    field.word = word_at(all_of(groups_, &Group::requests), at, width, roles_.text);
+    field.echo = roles_.shift;
+    return field;
   }
 
   void find_sequence() {
-    for (const Echoed& each : echoes_) {
-      if (!is_counter(in_order_, each.column)) continue;
-      Columns& sequence = out_.roles.sequence;
-      sequence = {each.column, 1, true, each.evidence, ""};
-      if (is_echoed(each.column - 1) || constant_at(in_order_, each.column - 1) == 0)
-        --sequence.at, sequence.width = 2;
-      std::erase_if(echoes_, [&](const Echoed& other) { return sequence.holds(other.column); });
+    for (const auto& [column, evidence] : echoes_) {
+      if (!is_counter(in_order_, column)) continue;
+      const bool wide =
+          column > 0 && (echoes_.contains(column - 1) || constant_at(in_order_, column - 1) == 0);
+      roles_.sequence = echoed(FieldKind::kSequence, column - (wide ? 1 : 0), column + 1);
+      roles_.sequence.evidence = evidence;
+      std::erase_if(echoes_, [&](const auto& other) { return roles_.sequence.holds(other.first); });
       return;
     }
   }
 
-  [[nodiscard]] bool is_echoed(std::ptrdiff_t column) const {
-    return std::ranges::find(echoes_, column, &Echoed::column) != echoes_.end();
-  }
-
   void find_address() {
-    Roles& roles = out_.roles;
-    const auto free = [&](std::ptrdiff_t column) { return !roles.command.holds(column); };
+    const auto free = [&](std::ptrdiff_t column) { return !roles_.command.holds(column); };
     const auto first =
-        std::ranges::find_if(echoes_, [&](const Echoed& each) { return free(each.column); });
-    if (first == echoes_.end()) return guess_address();
-    std::ptrdiff_t at = first->column, end = at + 1;
-    const Frames all = requests_of(out_.groups);
+        std::ranges::find_if(echoes_, [&](const auto& each) { return free(each.first); });
+    if (first == echoes_.end()) return roles_.text ? guess_text_address() : guess_address();
+    std::ptrdiff_t at = first->first, end = at + 1;
+    const Frames& all = in_order_;
     // The next column belongs to it, unless it makes more combinations than there are devices.
-    while (is_echoed(end) && free(end) &&
-           (roles.text ? is_digit_column(all, end)
-                       : different(all, at, end + 1) == different(all, end, end + 1) ||
-                             different(all, at, end + 1) == different(all, at, end)))
-      ++end;
-    while (roles.text && at > 0 && constant_at(all, at - 1) == '0') --at;
-    roles.address = {at, static_cast<std::size_t>(end - at), true, first->evidence, ""};
-    if (roles.text || roles.command.width != 0 || !is_echoed(end) ||
+    const auto belongs = [&](std::ptrdiff_t column) {
+      if (roles_.text) return are_digits(all, column, column + 1, 16);
+      const std::size_t both = different(all, at, column + 1);
+      return both == different(all, column, column + 1) || both == different(all, at, column);
+    };
+    while (end - at < kMaxAddress && echoes_.contains(end) && free(end) && belongs(end)) ++end;
+    while (roles_.text && at > 0 && constant_at(all, at - 1) == '0') --at;
+    roles_.address = echoed(FieldKind::kAddress, at, end);
+    roles_.address.evidence = first->second;
+    if (!roles_.text && roles_.address.width > 2 &&
+        packed_adds(values_in(all, at, end)).contains(0)) {
+      roles_.address.word.notation = declared::Notation::kBcd;
+      roles_.address.note = "only decimal digits occur; the byte order is a guess";
+    } else if (roles_.address.word.notation == declared::Notation::kDecimal) {
+      roles_.address.note = "no digit above 9: perhaps hexadecimal";
+    }
+    if (roles_.text || roles_.command.width != 0 || !echoes_.contains(end) ||
         values_at(all, end).size() > kMaxCommands)
       return;
     // Two repeated numbers, which no frame distinguishes: by custom the address is the first.
-    roles.command = {end, 1, true, {}, "address and command may be exchanged"};
-    out_.groups = divided_by(out_.groups, end);
-  }
-
-  static bool is_digit_column(const Frames& frames, std::ptrdiff_t column) {
-    return std::ranges::all_of(values_at(frames, column),
-                               [](std::uint8_t c) { return hex_digit(c) >= 0; });
+    roles_.command = echoed(FieldKind::kCommand, end, end + 1);
+    roles_.command.note = "address and command may be exchanged";
+    groups_ = divided_by(groups_, end);
   }
 
   // No repeated column differs: one device, or responses without address.
   void guess_address() {
     static constexpr std::uint8_t kStarts[] = {0x02, 0x10, 0x16, 0x3A, 0x55, 0x5A, 0x68,
                                                0x7E, 0xA5, 0xAA, 0xEB, 0xFE, 0xFF};
-    Roles& roles = out_.roles;
-    const Frames all = requests_of(out_.groups);
-    if (roles.text) return guess_text_address(all);
     for (std::ptrdiff_t column = 0; column < 3; ++column) {
-      Evidence echo;
-      for (const Group& group : out_.groups) {
-        const Evidence one = echo_of(group, column, 0);
-        echo.holds += one.holds, echo.of += one.of;
-      }
-      const auto value = constant_at(all, column);
-      if (roles.command.holds(column) || !value || !echo.holds_mostly()) continue;
-      if (std::ranges::find(kStarts, *value) != std::end(kStarts)) continue;
-      roles.address = {column, 1, true, echo, "only one device in the capture: a guess"};
+      const Evidence echo = echo_of(groups_, column, 0);
+      const auto value = constant_at(in_order_, column);
+      if (roles_.command.holds(column) || !value || !echo.holds_mostly() ||
+          std::ranges::find(kStarts, *value) != std::end(kStarts))
+        continue;
+      roles_.address = echoed(FieldKind::kAddress, column, column + 1);
+      roles_.address.evidence = echo;
+      roles_.address.note = "only one device in the capture: a guess";
       return;
     }
   }
 
   // Digits that differ at the same place of all requests, which no response repeats.
-  void guess_text_address(const Frames& all) {
+  void guess_text_address() {
     std::ptrdiff_t at = 0, end = 0;
-    for (const Group& group : out_.groups) {
+    for (const Group& group : groups_) {
       std::ptrdiff_t first = -1, last = -1;
-      const auto most = static_cast<std::ptrdiff_t>(shortest(group.requests) -
-                                                    std::min(end_size_, shortest(group.requests)));
-      for (std::ptrdiff_t i = 0; i < most; ++i) {
+      for (std::ptrdiff_t i = 0; i + end_size_ < shortest(group.requests); ++i) {
         const bool differs = values_at(group.requests, i).size() > 1;
         if (differs && last >= 0 && i != last + 1) return;  // two numbers
         if (differs) last = i, first = first < 0 ? i : first;
@@ -310,46 +268,41 @@ class Finder {
       end = std::max(end, last + 1);
     }
     if (end == 0) return;
-    if (at > 0 && is_decimal_digit(byte_at(all.front(), at - 1).value_or(0)) && end - at == 1) --at;
-    if (end - at > 3 || !is_digit_column(all, at)) return;
-    out_.roles.address = {at,
-                          static_cast<std::size_t>(end - at),
-                          false,
-                          {all.size(), all.size()},
-                          "no response repeats it: a guess"};
+    if (at > 0 && end - at == 1 && are_digits({in_order_.front()}, at - 1, at, 10)) --at;
+    if (end - at > 3 || !are_digits(in_order_, at, at + 1, 16)) return;
+    roles_.address = echoed(FieldKind::kAddress, at, end);
+    roles_.address.echo.reset();
+    roles_.address.evidence = {in_order_.size(), in_order_.size()};
+    roles_.address.note = "no response repeats it: a guess";
   }
 
   void find_command() {
-    Roles& roles = out_.roles;
-    if (roles.text) return find_text_command();
-    if (roles.command.width == 0 && roles.address.width != 0) guess_command();
-    if (roles.command.width == 0) return;
+    if (roles_.text) return find_text_command();
+    if (roles_.command.width == 0 && roles_.address.width != 0) guess_command();
+    if (roles_.command.width == 0) return;
+    roles_.command.echo.reset();
     // The response repeats it, or a constant is added.
     for (const std::int64_t plus : {0, 0x80, 0x40, 0x20}) {
-      Evidence echo;
-      for (const Group& group : out_.groups) {
-        const Evidence one = echo_of(group, roles.command.at, roles.shift, plus);
-        echo.holds += one.holds, echo.of += one.of;
-      }
-      if (!echo.holds_mostly() || roles.command.at + roles.shift < 0) continue;
-      roles.command.echoed = true;
-      roles.command.evidence = echo;
-      roles.command_plus = plus;
+      const Evidence echo = echo_of(groups_, roles_.command.at, roles_.shift, plus);
+      if (!echo.holds_mostly() || roles_.command.at + roles_.shift < 0) continue;
+      roles_.command.echo = roles_.shift;
+      roles_.command.evidence = echo;
+      roles_.command_plus = plus;
       return;
     }
   }
 
   // A constant behind the address, which the response has with its highest bit or unchanged.
   void guess_command() {
-    Roles& roles = out_.roles;
-    const auto end = roles.address.at + static_cast<std::ptrdiff_t>(roles.address.width);
+    const std::ptrdiff_t end = roles_.address.end();
     for (const std::int64_t plus : {0x80, 0}) {
       for (std::ptrdiff_t column = end; column < end + 3; ++column) {
-        const auto value = constant_at(requests_of(out_.groups), column);
+        const auto value = constant_at(in_order_, column);
         if (!value || *value == 0 ||
-            !echo_of(out_.groups.front(), column, roles.shift, plus).holds_mostly())
+            !echo_of({&groups_.front(), 1}, column, roles_.shift, plus).holds_mostly())
           continue;
-        roles.command = {column, 1, true, {}, "always the same: a guess"};
+        roles_.command = echoed(FieldKind::kCommand, column, column + 1);
+        roles_.command.note = "always the same: a guess";
         return;
       }
     }
@@ -357,39 +310,44 @@ class Finder {
 
   // Two digits behind the address that differ between groups.
   void find_text_command() {
-    Roles& roles = out_.roles;
-    if (roles.address.width == 0) return;
-    const auto end = roles.address.at + static_cast<std::ptrdiff_t>(roles.address.width);
-    Evidence echo;
-    for (const Group& group : out_.groups) {
-      for (const std::ptrdiff_t column : {end, end + 1}) {
-        if (!constant_at(group.requests, column) || !is_digit_column(group.requests, column))
+    if (roles_.address.width == 0) return;
+    const std::ptrdiff_t at = roles_.address.end();
+    for (const Group& group : groups_) {
+      for (const std::ptrdiff_t column : {at, at + 1}) {
+        if (!constant_at(group.requests, column) ||
+            !are_digits(group.requests, column, column + 1, 16))
           return;
-        const Evidence one = echo_of(group, column, roles.shift);
-        echo.holds += one.holds, echo.of += one.of;
       }
     }
-    if (!echo.holds_mostly() || different(in_order_, end, end + 2) < 2) return;
-    roles.command = {end, 2, true, {echo.holds / 2, echo.of / 2}, ""};
+    const Evidence echo = echo_of(groups_, at, roles_.shift);
+    if (!echo.holds_mostly() || !echo_of(groups_, at + 1, roles_.shift).holds_mostly() ||
+        different(in_order_, at, at + 2) < 2)
+      return;
+    roles_.command = echoed(FieldKind::kCommand, at, at + 2);
+    roles_.command.word = digits(declared::Notation::kHex, 2);
+    roles_.command.evidence = echo;
   }
 
   Grouping out_;
-  Frames in_order_;
+  Groups& groups_;
+  Roles& roles_;
+  Frames in_order_;  // requests
   std::size_t end_size_ = 0;
-  std::vector<Echoed> echoes_;
+  std::map<std::ptrdiff_t, Evidence> echoes_;  // by column
 };
 
 }  // namespace
 
-Evidence echo_of(const Group& group, std::ptrdiff_t column, std::ptrdiff_t shift,
+Evidence echo_of(std::span<const Group> groups, std::ptrdiff_t column, std::ptrdiff_t shift,
                  std::int64_t plus) {
   Evidence echo;
-  for (std::size_t i = 0; i < group.requests.size() && column + shift >= 0; ++i) {
-    const auto sent = byte_at(group.requests[i], column);
-    const auto received = byte_at(group.responses[i], column + shift);
-    if (!sent || !received) continue;
-    ++echo.of;
-    if (static_cast<std::uint8_t>(*sent + plus) == *received) ++echo.holds;
+  if (column + shift < 0) return echo;
+  for (const Group& group : groups) {
+    for (std::size_t i = 0; i < group.requests.size(); ++i) {
+      const auto sent = byte_at(group.requests[i], column);
+      const auto received = byte_at(group.responses[i], column + shift);
+      if (sent && received) echo.add(static_cast<std::uint8_t>(*sent + plus) == *received);
+    }
   }
   return echo;
 }
