@@ -27,6 +27,15 @@ LearnedField constant_in(const Frames& frames, std::ptrdiff_t at, std::size_t wi
   return field;
 }
 
+// Whether the field is bytes in two hexadecimal digits each; a constant becomes a number.
+bool as_pairs(LearnedField& field) {
+  if (field.kind == FieldKind::kConstant && field.width <= 14 &&
+      are_digits({field.constant}, 0, 0, 16))
+    field.word = digits(declared::Notation::kHex, field.width);
+  const std::size_t size = field.width != 0 ? field.width : field.word.characters;
+  return field.word.notation == declared::Notation::kHex && size % 2 == 0;
+}
+
 }  // namespace
 
 LearnedField constant_field(ByteView bytes, std::ptrdiff_t at) {
@@ -123,7 +132,8 @@ void FrameFields::add_end() {
   made.width = check_->word.characters;
   made.options = fmt::format(", kind: {}", check_->kind);
   if (check_->check.complement == declared::Complement::kOnes) made.options += ", complement: ones";
-  if (check_->check.over_bytes) made.options += ", over: bytes";
+  made.pairs = check_->check.over_bytes;
+  if (made.pairs) made.options += ", over: bytes";
   made.from = static_cast<std::ptrdiff_t>(check_->from);
   made.evidence = check_->evidence;
   fields_.push_back(std::move(made));
@@ -145,8 +155,8 @@ std::vector<LearnedField> FrameFields::finish(unsigned& values) {
     const auto end = fields_.begin() + static_cast<std::ptrdiff_t>(count);
     const auto first = std::find_if(
         fields_.begin(), end, [&](const LearnedField& each) { return each.at == field.from; });
-    if (first == end) {
-      // Nothing between it and the end, or within a value.
+    if (first == end || (field.pairs && !std::all_of(first, end, as_pairs))) {
+      // Nothing between it and the end, within a value, or a text.
       field.kind = FieldKind::kUnused, field.plus = 0, field.options.clear();
       field.note = "what it covers is unknown";
     } else {

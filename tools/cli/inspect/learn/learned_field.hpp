@@ -19,6 +19,7 @@ struct LearnedField {
   std::int64_t plus = 0;
   std::uint8_t add = 0;      // added to each byte on the wire
   bool variable = false;     // a text that ends at the constant behind it
+  bool pairs = false;        // a length or checksum of bytes, each in two hexadecimal digits
   std::ptrdiff_t from = -1;  // first character that a length or a checksum covers
   // The response has it so many characters later; empty: it has not.
   std::optional<std::ptrdiff_t> echo;

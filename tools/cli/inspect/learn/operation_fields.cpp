@@ -114,7 +114,8 @@ class OperationBuilder {
     made.width = length.word.characters;
     made.evidence = length.evidence;
     made.note = length.note;
-    if (made.word.notation != Notation::kBinary && length.times == 1)
+    made.pairs = length.times == 2;
+    if (made.word.notation != Notation::kBinary && !made.pairs)
       made.options = ", counts: characters";
     // Characters behind the field that it does not count, and characters of the end that it does.
     const auto skipped = static_cast<std::ptrdiff_t>(length.base) - made.end() -
@@ -316,6 +317,7 @@ class OperationBuilder {
       items.word.notation = Notation::kDecimal;
       out_.item_bits = 16;
     } else if (text_) {
+      items.word.notation = Notation::kHex;
       items.options = times == 1 ? ", as: hex, digits: 1, on: 1, off: 0" : ", as: hex";
     }
     if (out_.item_bits == 0 || out_.item_bits > 64) refuse("items of this width");

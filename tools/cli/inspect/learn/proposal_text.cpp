@@ -101,6 +101,11 @@ std::string operation_text(const LearnedOperation& operation, std::size_t number
 }  // namespace
 
 std::string content_of(const LearnedField& field, bool text) {
+  const bool digits = field.kind == FieldKind::kConstant && field.word.notation == Notation::kHex;
+  if (digits)
+    return fmt::format("constant: 0x{}{}",
+                       std::string(field.constant.begin(), field.constant.end()),
+                       number_text(field.word));
   if (field.kind == FieldKind::kConstant) return "constant: " + constant_text(field.constant, text);
   std::string content = "is: " + word_of(field.kind) + field.options;
   if (!field.of.empty()) content += ", of: " + field.of;
