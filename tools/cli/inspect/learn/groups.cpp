@@ -105,7 +105,11 @@ class Finder {
     if (!roles_.response_check && roles_.request_check)
       roles_.response_check = find_same_checksum(responses, *roles_.request_check);
     end_size_ = roles_.request_check ? roles_.request_check->end_size() : 0;
-    roles_.text ? divide_text() : divide_binary();
+    if (roles_.text) {
+      divide_text();
+    } else if (const auto column = divide(1, [](std::ptrdiff_t) { return true; })) {
+      roles_.command = {.kind = FieldKind::kCommand, .at = *column, .width = 1, .word = binary(1)};
+    }
     find_echoes();
     find_sequence();
     find_address();
@@ -140,11 +144,6 @@ class Finder {
     };
     if (whole.size() < kMaxGroups)
       divide(2, [&](std::ptrdiff_t at) { return at > 0 && is_digit(at) && is_digit(at + 1); });
-  }
-
-  void divide_binary() {
-    if (const auto column = divide(1, [](std::ptrdiff_t) { return true; }))
-      roles_.command = {.kind = FieldKind::kCommand, .at = *column, .width = 1, .word = binary(1)};
   }
 
   // By the columns of which the groups cost the least, if that is less than the whole.
@@ -277,55 +276,44 @@ class Finder {
   }
 
   void find_command() {
-    if (roles_.text) return find_text_command();
-    if (roles_.command.width == 0 && roles_.address.width != 0) guess_command();
-    if (roles_.command.width == 0) return;
-    roles_.command.echo.reset();
+    LearnedField& command = roles_.command;
+    if (command.width == 0 && roles_.address.width != 0) guess_command();
+    if (command.width == 0) return;
+    command.echo.reset();
     // The response repeats it, or a constant is added.
     for (const std::int64_t plus : {0, 0x80, 0x40, 0x20}) {
-      const Evidence echo = echo_of(groups_, roles_.command.at, roles_.shift, plus);
-      if (!echo.holds_mostly() || roles_.command.at + roles_.shift < 0) continue;
-      roles_.command.echo = roles_.shift;
-      roles_.command.evidence = echo;
+      const Evidence echo = echo_of(groups_, command.at, roles_.shift, plus);
+      if (!echo.holds_mostly()) continue;
+      command.echo = roles_.shift;
+      command.evidence = echo;
       roles_.command_plus = plus;
       return;
     }
   }
 
-  // A constant behind the address, which the response has with its highest bit or unchanged.
+  // A constant of each group behind the address, which the response has with its highest bit or
+  // unchanged; in a text two digits that differ between groups.
   void guess_command() {
-    const std::ptrdiff_t end = roles_.address.end();
+    const std::ptrdiff_t end = roles_.address.end(), width = roles_.text ? 2 : 1;
+    const auto fits = [&](std::ptrdiff_t column, std::int64_t plus) {
+      return echo_of(groups_, column, roles_.shift, plus).holds_mostly() &&
+             std::ranges::all_of(groups_, [&](const Group& group) {
+               return constant_at(group.requests, column).value_or(0) != 0;
+             });
+    };
     for (const std::int64_t plus : {0x80, 0}) {
-      for (std::ptrdiff_t column = end; column < end + 3; ++column) {
-        const auto value = constant_at(in_order_, column);
-        if (!value || *value == 0 ||
-            !echo_of({&groups_.front(), 1}, column, roles_.shift, plus).holds_mostly())
+      for (std::ptrdiff_t at = end; at < end + (roles_.text ? 1 : 3); ++at) {
+        const bool differs = different(in_order_, at, at + width) > 1;
+        if (!fits(at, plus)) continue;
+        if (roles_.text &&
+            (!differs || !fits(at + 1, plus) || !are_digits(in_order_, at, at + 2, 16)))
           continue;
-        roles_.command = echoed(FieldKind::kCommand, column, column + 1);
-        roles_.command.note = "always the same: a guess";
+        roles_.command = echoed(FieldKind::kCommand, at, at + width);
+        if (roles_.text) roles_.command.word = digits(declared::Notation::kHex, 2);
+        if (!differs) roles_.command.note = "always the same: a guess";
         return;
       }
     }
-  }
-
-  // Two digits behind the address that differ between groups.
-  void find_text_command() {
-    if (roles_.address.width == 0) return;
-    const std::ptrdiff_t at = roles_.address.end();
-    for (const Group& group : groups_) {
-      for (const std::ptrdiff_t column : {at, at + 1}) {
-        if (!constant_at(group.requests, column) ||
-            !are_digits(group.requests, column, column + 1, 16))
-          return;
-      }
-    }
-    const Evidence echo = echo_of(groups_, at, roles_.shift);
-    if (!echo.holds_mostly() || !echo_of(groups_, at + 1, roles_.shift).holds_mostly() ||
-        different(in_order_, at, at + 2) < 2)
-      return;
-    roles_.command = echoed(FieldKind::kCommand, at, at + 2);
-    roles_.command.word = digits(declared::Notation::kHex, 2);
-    roles_.command.evidence = echo;
   }
 
   Grouping out_;
