@@ -14,7 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualBus;
 
-// The simulated device sends the first form.
 BusSpec meter() {
   const config::FileReader reader{
       [](const std::string& path) -> tl::expected<std::string, config::FileError> {
@@ -42,7 +41,9 @@ buses:
 }
 
 TEST(Absent, AValueThatIsNotInTheResponseTakesNoOtherWithIt) {
-  VirtualBus bus(meter(), {}, 1);
+  sim::BusFaults first_form;
+  first_form.devices["m"].form = 0;
+  VirtualBus bus(meter(), first_form, 1);
   bus.run_until(bus.now() + 150s);
   const auto& channels = bus.channels();
   for (const std::size_t there : {0u, 2u}) {
@@ -52,6 +53,18 @@ TEST(Absent, AValueThatIsNotInTheResponseTakesNoOtherWithIt) {
   }
   EXPECT_EQ(channels[1].quality, Quality::kBadDeviceError);
   EXPECT_EQ(channels[1].good, 0u);
+}
+
+// The device sends each form for 45 s; a refused value is requested again after 60 s.
+TEST(Absent, AValueIsGoodWhileItsFormIsSent) {
+  VirtualBus bus(meter(), {}, 1);
+  bus.run_until(bus.now() + 300s);
+  const auto& channels = bus.channels();
+  EXPECT_GE(channels[2].good, 1480u);
+  for (const std::size_t sometimes : {0u, 1u}) {
+    EXPECT_GE(channels[sometimes].good, 300u);
+    EXPECT_LE(channels[sometimes].good, 900u);
+  }
 }
 
 }  // namespace

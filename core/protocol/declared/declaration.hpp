@@ -132,6 +132,11 @@ struct Operation {
   Duration unsolicited{};
   // Whether the response of a write can have the bytes of its request.
   [[nodiscard]] bool echoes() const;
+  // The form `n` of the response; they repeat.
+  [[nodiscard]] const Frame& form(std::size_t n) const {
+    const std::size_t index = n % (others.size() + 1);
+    return index == 0 ? response : others[index - 1];
+  }
   friend bool operator==(const Operation&, const Operation&) = default;
 };
 
@@ -179,6 +184,9 @@ enum class Sender : std::uint8_t { kUnknown, kBridge, kDevice };
 // match equally. Offsets are those of the wire.
 [[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame,
                                               Sender sender = Sender::kUnknown);
+
+// Whether `bytes` begin with a response or a refusal that has a valid checksum, of any device.
+[[nodiscard]] bool begins_checked_response(const Declaration& declaration, ByteView bytes);
 
 // See Protocol::find_unsolicited().
 [[nodiscard]] UnsolicitedFrame find_unsolicited(const Declaration& declaration,

@@ -39,6 +39,19 @@ Seen match(const Declaration& declaration, const Operation& operation, const Fra
 
 }  // namespace
 
+bool begins_checked_response(const Declaration& declaration, ByteView bytes) {
+  return std::ranges::any_of(declaration.operations, [&](const Operation& operation) {
+    const auto checked = [&](const Frame& frame, bool refusal) {
+      return match(declaration, operation, frame, bytes, refusal).checked;
+    };
+    for (std::size_t n = 0; n <= operation.others.size(); ++n) {
+      if (checked(operation.form(n), false)) return true;
+    }
+    return std::ranges::any_of(declaration.refusals,
+                               [&](const Frame& refusal) { return checked(refusal, true); });
+  });
+}
+
 SeenRequest seen_request(const Declaration& declaration, ByteView bytes) {
   SeenRequest seen;
   for (const Operation& operation : declaration.operations) {

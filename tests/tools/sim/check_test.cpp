@@ -101,9 +101,36 @@ TEST(SimCheck, DevicesThatAreNeverRequestedPassTheirMatrix) {
 
 Subject declared_as(const std::string& text);
 
-// The simulated device sends the first form of a response.
-TEST(SimCheck, ValuesOfAnotherFormAreNoFaults) {
-  expect_all_pass({declared_as(std::string(test::kMultimeter))});
+TEST(SimCheck, EachFormOfAResponseIsTried) {
+  const auto declaration = config::load_declaration_text(test::kMultimeter, "meter.yaml");
+  ASSERT_TRUE(declaration);
+  const auto subjects = subjects_of(*declaration);
+  ASSERT_EQ(subjects.size(), 2u);
+  EXPECT_EQ(subjects[1].variant, "form 2");
+  expect_all_pass(subjects);
+  const auto area = AreaIndex{0};
+  EXPECT_EQ(Requests(subjects[0]).places(area).size(), 2u);
+  EXPECT_EQ(Requests(subjects[1]).places(area)[1].range.count, 2u) << "amperes";
+}
+
+// A frame of three bytes with a check of one: noise contains it by chance.
+TEST(SimCheck, AFrameInTheNoiseIsNoFault) {
+  const Subject subject = declared_as(R"(
+summary: meters
+addresses: { from: 1, to: 1 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "R" }]
+    answer: [{ name: level, is: value, bytes: 2 }, { is: checksum, kind: sum, of: level }]
+)");
+  CheckRows rows;
+  check_responses(subject, rows);
+  const auto noise = std::ranges::find(rows, "noise before", &CheckRow::check);
+  ASSERT_NE(noise, rows.end());
+  EXPECT_EQ(noise->failed(), 0u) << failures(rows);
+  EXPECT_NE(noise->note.find("contain a valid frame"), std::string::npos) << noise->note;
 }
 
 Subject declared_as(const std::string& text) {

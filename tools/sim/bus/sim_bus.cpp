@@ -44,7 +44,8 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
                       own.refused,
                       own.only_configured,
                       mix(bus->seed_, device.name),
-                      start};
+                      start,
+                      own.form};
     auto made = kind->make(setup);
     if (!made) return tl::unexpected(fmt::format("{}/{}", spec.name, made.error()));
     bus->half_duplex_ = bus->half_duplex_ && kind->half_duplex;

@@ -147,6 +147,7 @@ struct DeviceFaults {
   std::vector<Window> silence;  // the device neither receives nor sends
   std::vector<RefusedRange> refused;
   bool only_configured = false;
+  std::optional<unsigned> form;  // of its responses, if it has several; empty: they change
 };
 
 struct BusFaults {

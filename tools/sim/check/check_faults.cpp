@@ -28,6 +28,7 @@ class LateBus {
     DeviceFaults& own = faults.devices[spec_.devices[0].name];
     own.late_probability = 0.2;
     own.late = 60ms;  // longer than the learned response time, shorter than the timeout
+    for (const DeviceSpec& device : spec_.devices) faults.devices[device.name].form = subject.form;
     auto plant = SimBus::make(spec_, faults, 3, now_);
     if (!plant) throw std::runtime_error(plant.error());
     plant_ = std::move(*plant);

@@ -131,8 +131,12 @@ class UnsolicitedCheck {
     for (int round = 0; round < kNoises; ++round) {
       Bytes noisy(1 + random_() % 12);
       for (std::uint8_t& byte : noisy) byte = static_cast<std::uint8_t>(random_());
+      const std::size_t noise = noisy.size();
       append(noisy, sent_);
-      judge(row, hear({&noisy}), true, "behind noise", noisy);
+      if (frame_begins_in(subject_, noisy, noise))
+        row.pass();
+      else
+        judge(row, hear({&noisy}), true, "behind noise", noisy);
     }
   }
 

@@ -68,7 +68,10 @@ std::vector<Subject> subjects_of(std::string_view protocol) {
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr) return subjects;
   for (const ProtocolVariant& variant : entry->variants) {
-    Subject subject{text_of(variant), device_at(7), serial(), true, variant.addresses};
+    Subject subject{.variant = text_of(variant),
+                    .device = device_at(7),
+                    .port = serial(),
+                    .addresses = variant.addresses};
     subject.device.protocol = protocol;
     subject.device.link = link_of(variant, subject.device.link.address);
     if (entry->network_only) {
@@ -86,7 +89,7 @@ std::vector<Subject> subjects_of(const declared::SharedDeclaration& declaration)
   Subject subject{"",
                   device_at(static_cast<std::uint16_t>(
                       std::clamp<std::uint64_t>(7, value.lowest_address, value.highest_address))),
-                  serial(), true};
+                  serial()};
   subject.device.protocol = value.name;
   subject.device.declaration = declaration;
   subject.checked = std::ranges::all_of(value.operations,
@@ -95,7 +98,15 @@ std::vector<Subject> subjects_of(const declared::SharedDeclaration& declaration)
                                                  std::ranges::all_of(each.others, has_check);
                                         }) &&
                     std::ranges::all_of(value.refusals, has_check);
-  return {subject};
+  std::size_t forms = 1;
+  for (const declared::Operation& operation : value.operations)
+    forms = std::max(forms, operation.others.size() + 1);
+  std::vector<Subject> subjects;
+  for (; subject.form < forms; ++subject.form) {
+    if (forms > 1) subject.variant = fmt::format("form {}", subject.form + 1);
+    subjects.push_back(subject);
+  }
+  return subjects;
 }
 
 namespace {
@@ -156,7 +167,9 @@ std::string frames(const std::vector<Bytes>& all) {
 
 LiveDevice::LiveDevice(const Subject& subject, const BusFaults& faults)
     : line_format_(subject.line()) {
-  auto bus = SimBus::make(bus_of(subject), faults, 1, now_);
+  BusFaults all = faults;
+  all.devices[subject.device.name].form = subject.form;
+  auto bus = SimBus::make(bus_of(subject), all, 1, now_);
   if (!bus) throw std::runtime_error(bus.error());
   bus_ = std::move(*bus);
   line_ = bus_->open_line();

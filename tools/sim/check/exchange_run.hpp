@@ -17,6 +17,7 @@ struct Subject {
   std::string variant;  // "mode: fins"; empty: no options
   DeviceSpec device;    // without channels
   PortSpec port;
+  unsigned form = 0;    // of the responses of a declaration, if they have several
   bool checked = true;  // every response has a check: no flipped bit may be accepted
   std::span<const std::string_view> addresses{};  // built-in protocol: forms of its notation
 

@@ -50,10 +50,10 @@ std::vector<Slot> Requests::places(AreaIndex area) const {
   const declared::Declaration& declaration = *subject_.device.declaration.value;
   for (const declared::Place& place : declaration.areas[area].places) {
     Slot slot{{area, place.first, place.items}, 16, place.bits, place.is_signed};
-    bool sent = false;  // the simulated device sends the first form of each response
+    bool sent = false;
     for (const declared::Operation& operation : declaration.operations) {
       if (operation.area == area && !operation.write)
-        sent = describe(operation.response, slot) || sent;
+        sent = describe(operation.form(subject_.form), slot) || sent;
     }
     if (sent) slots.push_back(slot);
   }
@@ -219,6 +219,15 @@ std::optional<Bytes> Requests::peek(SimDevice& device, std::string_view area, co
       image.push_back(static_cast<std::uint8_t>(*item >> 8 * byte));
   }
   return image;
+}
+
+bool frame_begins_in(const Subject& subject, ByteView bytes, std::size_t noise) {
+  if (!subject.device.declaration) return false;
+  for (std::size_t at = 0; at < noise; ++at) {
+    if (declared::begins_checked_response(*subject.device.declaration.value, bytes.subspan(at)))
+      return true;
+  }
+  return false;
 }
 
 namespace {

@@ -59,6 +59,10 @@ class Requests {
   std::unique_ptr<Protocol> protocol_;
 };
 
+// Whether a frame with a valid check begins in the noise before a response of a declaration: no
+// master can distinguish it from a response.
+[[nodiscard]] bool frame_begins_in(const Subject& subject, ByteView bytes, std::size_t noise);
+
 // All notations of an address. The simulated device must accept what the bridge accepts.
 // Returns at least one address of each form; for a declaration, of its areas and records.
 [[nodiscard]] std::vector<std::string> notations_of(const Subject& subject);

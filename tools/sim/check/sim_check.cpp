@@ -47,6 +47,8 @@ class ResponseCheck {
     splits_ = &rows_[first], cuts_ = &rows_[first + 1], flips_ = &rows_[first + 2],
     noise_ = &rows_[first + 3];
     for (const NamedRequest& example : requests_.examples()) disturb(example);
+    if (frames_in_noise_ != 0)
+      noise_->note = fmt::format("{} noises contain a valid frame", frames_in_noise_);
     if (!subject_.checked) {
       flips_->note = fmt::format("responses carry no check: {} flipped bits pass unseen", unseen_);
       noise_->note = "responses carry no check";
@@ -126,7 +128,9 @@ class ResponseCheck {
     responses.front().insert(responses.front().begin(), noise.begin(), noise.end());
     const RunOutcome outcome = run(example, responses);
     const bool right = !outcome.is_definite() || outcome.same_as(example.clean);
-    judge(*noise_, example, outcome, right || !subject_.checked, "behind " + to_hex(noise),
+    const bool frame = !right && frame_begins_in(subject_, responses.front(), noise.size());
+    frames_in_noise_ += frame ? 1 : 0;
+    judge(*noise_, example, outcome, right || frame || !subject_.checked, "behind " + to_hex(noise),
           responses.front());
   }
 
@@ -153,7 +157,7 @@ class ResponseCheck {
   LiveDevice live_;
   CheckRows& rows_;
   CheckRow *splits_ = nullptr, *cuts_ = nullptr, *flips_ = nullptr, *noise_ = nullptr;
-  std::uint64_t unseen_ = 0;
+  std::uint64_t unseen_ = 0, frames_in_noise_ = 0;
   std::uint16_t sequence_ = 0;
   std::mt19937 random_{20};
 };

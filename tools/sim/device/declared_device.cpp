@@ -16,6 +16,8 @@ using declared::Operation;
 
 // For missing items, if the declaration defines this code.
 constexpr std::uint8_t kAddressCode = 2;
+// The bridge requests a refused value again after 60 s: the two times have no common beat.
+constexpr Duration kFormTime = std::chrono::seconds{45};
 
 class DeclaredReceiver : public GapReceiver {
  public:
@@ -99,7 +101,9 @@ DeclaredDevice::DeclaredDevice(const DeviceSetup& setup)
       declaration_(setup.spec.declaration.value),
       address_(*device_address(*declaration_, setup.spec.link)),
       line_(setup.line),
-      stream_(setup.stream) {}
+      stream_(setup.stream),
+      start_(setup.start),
+      form_(setup.form) {}
 
 std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
   return std::make_unique<DeclaredReceiver>(*this, line_, stream_);
@@ -199,7 +203,11 @@ Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Ins
   if (operation.write) store(operation, text);
   fill(operation, now, text);
   ++statistics_.responses;
-  return say(operation.response, declaration_->areas[operation.area].item_bits, text);
+  return say(form(operation, now), declaration_->areas[operation.area].item_bits, text);
+}
+
+const declared::Frame& DeclaredDevice::form(const Operation& operation, Instant now) const {
+  return operation.form(form_ ? *form_ : static_cast<std::size_t>((now - start_) / kFormTime));
 }
 
 Bytes DeclaredDevice::unsolicited(const Operation& operation, Instant now) {
@@ -247,7 +255,7 @@ void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText&
     }
     return;
   }
-  for (const Field& field : operation.response.fields) {
+  for (const Field& field : form(operation, now).fields) {
     if (field.kind != FieldKind::kValue) continue;
     std::uint64_t number = 0;
     std::string characters;

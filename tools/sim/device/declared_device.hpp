@@ -1,6 +1,7 @@
 // A simulated device of a declared protocol. After bytes that match no request of its own it waits
 // for a silence, because a response of another device can have any form. Without an error frame in
-// the declaration it stays silent instead of refusing.
+// the declaration it stays silent instead of refusing. If a response has several forms, it sends
+// each of them for some time, as a meter whose switch is turned.
 #pragma once
 
 #include <memory>
@@ -40,12 +41,17 @@ class DeclaredDevice : public MemoryDevice {
   [[nodiscard]] Bytes refuse(const declared::Operation& operation, DeclaredText text,
                              std::uint8_t code);
   void store(const declared::Operation& operation, const DeclaredText& text);
+  // The form of the response at this time.
+  [[nodiscard]] const declared::Frame& form(const declared::Operation& operation,
+                                            Instant now) const;
   void fill(const declared::Operation& operation, Instant now, DeclaredText& text) const;
 
   const std::shared_ptr<const declared::Declaration> declaration_;
   const declared::DeviceAddress address_;
   const LineFormat line_;
   const bool stream_;
+  const Instant start_;
+  const std::optional<unsigned> form_;
 };
 
 [[nodiscard]] std::vector<std::string_view> declared_area_names(

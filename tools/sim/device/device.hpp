@@ -119,9 +119,10 @@ struct DeviceSetup {
   bool stream = false;        // TCP: parts of a frame may arrive separately
   bool first_on_bus = false;  // responds for the bus itself (unit 0 and 255 on Modbus TCP)
   std::vector<RefusedRange> refused;
-  bool only_configured = false;  // only addresses of configured channels exist
-  std::uint64_t seed = 1;        // for its waveforms
-  Instant start{};               // of the plant and its waveforms
+  bool only_configured = false;    // only addresses of configured channels exist
+  std::uint64_t seed = 1;          // for its waveforms
+  Instant start{};                 // of the plant and its waveforms
+  std::optional<unsigned> form{};  // see DeviceFaults
 };
 
 struct DeviceKind {
