@@ -21,7 +21,9 @@ constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
     {"last", FieldKind::kLast},         {"length", FieldKind::kLength},
     {"items", FieldKind::kItems},       {"value", FieldKind::kValue},
     {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
-    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused}};
+    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused},
+    {"exponent", FieldKind::kExponent}, {"decimals", FieldKind::kDecimals},
+    {"sign", FieldKind::kSign}};
 constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex},
                                                                 {"decimal", Notation::kDecimal},
@@ -44,20 +46,22 @@ struct Meaning {
 const Meaning kMeanings[] = {
     {"plus",
      {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount,
-      FieldKind::kLast, FieldKind::kLength}},
+      FieldKind::kLast, FieldKind::kLength, FieldKind::kExponent, FieldKind::kDecimals}},
     {"times", {FieldKind::kFirst, FieldKind::kCount, FieldKind::kLast}},
-    {"of", {FieldKind::kLength, FieldKind::kChecksum}},
+    {"of",
+     {FieldKind::kLength, FieldKind::kChecksum, FieldKind::kExponent, FieldKind::kDecimals,
+      FieldKind::kSign}},
     {"kind", {FieldKind::kChecksum}},
     {"complement", {FieldKind::kChecksum}},
     {"start", {FieldKind::kChecksum}},
     {"over", {FieldKind::kChecksum}},
-    {"on", {FieldKind::kItems}},
-    {"off", {FieldKind::kItems}},
+    {"on", {FieldKind::kItems, FieldKind::kSign}},
+    {"off", {FieldKind::kItems, FieldKind::kSign}},
     {"ok", {FieldKind::kError}},
     {"text", {FieldKind::kValue, FieldKind::kAddress, FieldKind::kUnused}},
     {"variable", {FieldKind::kValue, FieldKind::kUnused}},
     {"optional", {FieldKind::kConstant}},
-    {"signed", {FieldKind::kValue, FieldKind::kItems}},
+    {"signed", {FieldKind::kValue, FieldKind::kItems, FieldKind::kExponent, FieldKind::kDecimals}},
     {"fill", {FieldKind::kUnused}},
     {"key", {FieldKind::kValue}},
     {"until", {FieldKind::kValue}},
@@ -329,7 +333,8 @@ class FieldReader {
     map_.read("add", field.transform.add, WholeRule{0, 255});
     map_.read("xor", field.transform.exor, WholeRule{0, 255});
     if (field.kind == FieldKind::kAddress) field.variable = field.text_size != 0;
-    const bool measures = field.kind == FieldKind::kLength || field.kind == FieldKind::kChecksum;
+    const bool measures = field.kind == FieldKind::kLength || field.kind == FieldKind::kChecksum ||
+                          declared::scales(field);
     const Node* of = measures ? map_.require("of", "a field, or FIRST..LAST") : map_.find("of");
     if (of == nullptr) return;
     draft_.of_position = of->position;

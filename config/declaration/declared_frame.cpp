@@ -164,6 +164,8 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
                fmt::format("{}..{}", text.substr(dots + 2), text.substr(0, dots)));
   } else if (draft.field.kind == FieldKind::kChecksum && draft.field.of.holds(at)) {
     faults.add(draft.of_position, "a checksum over itself", "fields before or behind it");
+  } else if (declared::scales(draft.field)) {
+    return;
   } else if (!frame.fields[*from].field.opens ||
              (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
     faults.add(draft.of_position, fmt::format("'{}' begins or ends within a byte", text),
@@ -172,6 +174,39 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
     return;
   }
   frame.good = false;
+}
+
+// Assigns an exponent, decimals or a sign to the values that it names.
+void resolve_scaled(DraftFrame& frame, std::size_t at, FaultList& faults) {
+  DraftField& draft = frame.fields[at];
+  const auto refuse = [&](const std::string& what, std::string_view allowed) {
+    faults.add(draft.of_position, what, std::string(allowed));
+    frame.good = false;
+  };
+  const std::string own = fmt::format("'{}'", draft.field.name);
+  bool any = false;
+  for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
+    Field& value = frame.fields[i].field;
+    if (value.kind != FieldKind::kValue) continue;
+    auto& target = draft.field.kind == FieldKind::kSign ? value.sign : value.exponent;
+    any = true;
+    if (target)
+      return refuse(fmt::format("'{}' has two {}: '{}' and {}", value.name,
+                                draft.field.kind == FieldKind::kSign ? "signs" : "exponents",
+                                frame.fields[*target].field.name, own),
+                    "one of them");
+    if (!value.key.empty())
+      return refuse(own + fmt::format(" is for '{}', which has a key", value.name),
+                    "a value without a key");
+    if (value.text_size != 0 &&
+        (value.text_number.kind == TextNumber::Kind::kNone ||
+         value.text_number.kind == TextNumber::Kind::kHex || value.text_number.decimals > 0))
+      return refuse(
+          own + fmt::format(" is for '{}', which is a text without a whole number", value.name),
+          "text: decimal(6), or a picture without a point");
+    target = static_cast<std::uint8_t>(at);
+  }
+  if (!any) refuse(own + " is for no value", "of: a field that is: value, or FIRST..LAST");
 }
 
 }  // namespace
@@ -295,6 +330,9 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
   if (readable) Sharing(frame, defaults.high_first, faults).run();
   // Names in fields with faults may be incomplete.
   for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
+  for (std::size_t i = 0; i < frame.fields.size() && frame.good; ++i) {
+    if (declared::scales(frame.fields[i].field)) resolve_scaled(frame, i, faults);
+  }
   if (readable && defaults.escape != declared::Escape::kNone)
     set_escaped(frame, defaults.escape, faults);
   return frame;

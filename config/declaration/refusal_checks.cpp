@@ -19,7 +19,7 @@ void check_refusal_field(const Declaration& declaration, const DraftField& draft
                          std::string_view what, FaultList& faults) {
   const auto kind = draft.field.kind;
   if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
-      kind == FieldKind::kCount || kind == FieldKind::kLast)
+      kind == FieldKind::kCount || kind == FieldKind::kLast || declared::scales(draft.field))
     faults.add(draft.position, fmt::format("{} brings no '{}'", what, draft.field.name),
                "constant, address, command, error, length, sequence, checksum, unused");
   if (kind == FieldKind::kAddress && declaration.address_characters == 0 &&

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@ inline constexpr std::size_t kMaxFields = 250;     // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
 // Characters of a frame, regardless of its length field.
 inline constexpr std::size_t kMaxFrame = 4096;
+// Of the place of a scaled value: a sign, 20 digits and "e-128".
+inline constexpr std::uint16_t kScaledCharacters = 26;
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
@@ -35,6 +38,9 @@ enum class FieldKind : std::uint8_t {
   kChecksum,  // over the fields `of`
   kError,     // device code: must be `number` in a response and differ from it in a refusal
   kSequence,  // counts exchanges; the response repeats it
+  kExponent,  // power of ten of the values `of`, plus `plus`
+  kDecimals,  // number of decimals of the values `of`, plus `plus`
+  kSign,      // `on` if the values `of` are negative, else sent as `off`
   kUnused,    // sent as `number`; ignored on reception
 };
 
@@ -72,11 +78,19 @@ struct Field {
   std::int64_t plus = 0;
   Span of;
   Check check;
-  std::uint64_t on = 1, off = 0;  // values of a bit that has its own word
-  bool packed = false;            // eight bit items per byte, the first lowest
-  std::uint16_t place = 0;        // of a value: its first item in the record
+  std::uint64_t on = 1, off = 0;               // values of a bit that has its own word
+  bool packed = false;                         // eight bit items per byte, the first lowest
+  std::uint16_t place = 0;                     // of a value: its first item in the record
+  std::optional<std::uint8_t> exponent, sign;  // of a value: the fields that scale and sign it
+  [[nodiscard]] constexpr bool scaled() const { return exponent || sign; }
   friend bool operator==(const Field&, const Field&) = default;
 };
+
+// Whether the field scales or signs others.
+[[nodiscard]] constexpr bool scales(const Field& field) {
+  return field.kind == FieldKind::kExponent || field.kind == FieldKind::kDecimals ||
+         field.kind == FieldKind::kSign;
+}
 
 // The character of an unused text in sent frames.
 [[nodiscard]] constexpr std::uint8_t blank_of(const Field& unused) {
@@ -98,6 +112,7 @@ struct Place {
   bool is_signed = false;        // a number narrower than its items is sign-extended
   std::uint16_t characters = 0;  // of a text
   TextNumber text_number = {};
+  bool scaled = false;  // the text of a scaled value
   friend bool operator==(const Place&, const Place&) = default;
 };
 

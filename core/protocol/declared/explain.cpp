@@ -3,6 +3,7 @@
 
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/declared/frame.hpp"
+#include "core/protocol/declared/scaled.hpp"
 #include "core/protocol/field_writer.hpp"
 #include "core/protocol/protocol_entry.hpp"
 #include "core/protocol/received.hpp"
@@ -207,6 +208,11 @@ class Reader {
     if (field.kind == FieldKind::kItems)
       return add(at, size, field.name, items(field, part),
                  size % field.word.characters == 0 ? "" : "the last item is not whole");
+    if (field.scaled() && whole(field.exponent) && whole(field.sign)) {
+      const auto decimal = scaled_value(frame_, index, bytes_, starts_);
+      return add(at, size, field.name, decimal ? to_text(*decimal) : to_hex(part),
+                 decimal ? "" : "no number");
+    }
     if (!field.text.empty()) {
       if (field.variable && size == 0) return add(at, 0, field.name, "not in this frame");
       const bool right = std::ranges::equal(part, field.text, {}, {},
@@ -222,6 +228,11 @@ class Reader {
     const auto word = read_word(part, field.word);
     if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
+  }
+
+  // Whether the field that scales or signs a value is in the frame.
+  bool whole(const std::optional<std::uint8_t>& index) const {
+    return !index || starts_[*index + 1u] <= bytes_.size();
   }
 
   void block_value(const Field& field, std::size_t index) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/protocol/declared/scaled.hpp"
+
 namespace fieldcast::declared {
 namespace {
 
@@ -40,6 +42,22 @@ void append_value(Bytes& out, const Field& field, const FrameContext& context,
     return;
   }
   word |= (value_in(context.items, at, items) & (UINT64_MAX >> (64 - field.bits))) << field.shift;
+}
+
+std::map<std::size_t, std::uint64_t> numbers_to_scale(const Frame& frame,
+                                                      const FrameContext& context) {
+  if (std::ranges::none_of(frame.fields, &Field::scaled)) return {};
+  return scaled_numbers(frame, context.items, context.first)
+      .value_or(std::map<std::size_t, std::uint64_t>{});
+}
+
+void append_scaled_text(Bytes& out, const Field& field, std::uint64_t number) {
+  const bool negative = !field.sign && number >> 63 != 0;
+  const auto text =
+      write_decimal(field.text_number, field.text_size,
+                    negative ? Value{static_cast<std::int64_t>(number)} : Value{number}, false);
+  const std::string characters = text.value_or(std::string(field.text_size, '0'));
+  out.insert(out.end(), characters.begin(), characters.end());
 }
 
 }  // namespace
@@ -174,6 +192,7 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
   const auto& fields = frame.fields;
   const std::size_t begin = out.size();
   std::vector<std::size_t> starts;
+  const auto scaled = numbers_to_scale(frame, context);
   std::uint64_t word = 0;  // of the fields that share it
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const Field& field = fields[i];
@@ -191,7 +210,11 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
       out.insert(out.end(), field.variable ? 0 : field.text_size, blank_of(field));
       continue;
     }
-    if (field.kind == FieldKind::kValue) {
+    if (const auto sent = scaled.find(i); sent != scaled.end()) {
+      if (field.text_size != 0) append_scaled_text(out, field, sent->second);
+      if (field.text_size != 0) continue;
+      word |= (sent->second & (UINT64_MAX >> (64 - field.bits))) << field.shift;
+    } else if (field.kind == FieldKind::kValue) {
       append_value(out, field, context, word);
       if (field.text_size != 0) continue;
     } else if (field.kind == FieldKind::kLength) {

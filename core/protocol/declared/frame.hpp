@@ -94,7 +94,8 @@ void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView i
 // `at`: first 16-bit item.
 [[nodiscard]] std::uint64_t value_in(ByteView image, std::size_t at, std::size_t items);
 [[nodiscard]] constexpr std::uint16_t items_of(const Field& value) {
-  return static_cast<std::uint16_t>(value.text_size != 0          ? (value.text_size + 1) / 2
+  return static_cast<std::uint16_t>(value.scaled()                ? kScaledCharacters / 2
+                                    : value.text_size != 0        ? (value.text_size + 1) / 2
                                     : (value.bits + 15) / 16 == 3 ? 4
                                                                   : (value.bits + 15) / 16);
 }

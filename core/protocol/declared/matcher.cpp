@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/protocol/declared/frame.hpp"
+#include "core/protocol/declared/scaled.hpp"
 
 namespace fieldcast::declared {
 namespace {
@@ -27,6 +28,9 @@ class Matcher {
     result_.size = offset_ + escapes_;
     for (const Field& field : fields_) {
       if (field.kind == FieldKind::kChecksum) check(field);
+    }
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (fields_[i].scaled()) scale(i);
     }
     if (result_.items.empty()) result_.items = std::move(record_);
     return std::move(result_);
@@ -113,7 +117,9 @@ class Matcher {
         if (context_.refusal == (number == field.number)) return none();
         result_.error = static_cast<std::uint16_t>(number);
         break;
-      case FieldKind::kValue: value(field, number); break;
+      case FieldKind::kValue:
+        if (!field.scaled()) value(field, number);
+        break;
       default: break;
     }
     if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;
@@ -221,8 +227,9 @@ class Matcher {
     }
     if (lacks(size)) return part();
     const std::size_t from = 2u * field.place;
-    for (std::size_t i = 0;
-         field.kind == FieldKind::kValue && i < size && from + i < record_.size(); ++i)
+    for (std::size_t i = 0; field.kind == FieldKind::kValue && !field.scaled() && i < size &&
+                            from + i < record_.size();
+         ++i)
       record_[from + i] = rest()[i];
     offset_ += size;
     return true;
@@ -290,6 +297,23 @@ class Matcher {
       return;
     const auto sent = value_in(context_.items, field.place - context_.first, items);
     result_.mismatch |= ((sent ^ number) & (UINT64_MAX >> (64 - field.bits))) != 0;
+  }
+
+  // A value without digits leaves its place empty, so that its channels are out of range.
+  void scale(std::size_t at) {
+    const Field& field = fields_[at];
+    const auto decimal = scaled_value(frame_, at, bytes_, starts_);
+    const std::string text = decimal ? to_text(*decimal) : "";
+    const std::size_t from = 2u * field.place;
+    for (std::size_t i = 0; i < text.size() && from + i < record_.size(); ++i)
+      record_[from + i] = static_cast<std::uint8_t>(text[i]);
+    if (!context_.written || field.place < context_.first ||
+        field.place + items_of(field) > context_.first + context_.count)
+      return;
+    const auto sent =
+        ByteView(context_.items).subspan(2 * (field.place - context_.first), kScaledCharacters);
+    const auto asked = decimal_from({reinterpret_cast<const char*>(sent.data()), sent.size()});
+    result_.mismatch |= !decimal || !asked || !asked->rounds_to(*decimal);
   }
 
   void check(const Field& field) {

@@ -2,6 +2,7 @@
 
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/declared/exchange.hpp"
+#include "core/protocol/declared/scaled.hpp"
 #include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::declared {
@@ -220,8 +221,11 @@ class DeclaredProtocol final : public Protocol {
 
   // Returns false if a field cannot hold its number, so that no truncated value is sent.
   static bool values_fit(const Operation& operation, const WriteRequest& write) {
+    if (std::ranges::any_of(operation.request.fields, &Field::scaled) &&
+        !scaled_numbers(operation.request, write.items, operation.first))
+      return false;
     for (const Field& field : operation.request.fields) {
-      if (field.kind != FieldKind::kValue || field.text_size != 0) continue;
+      if (field.kind != FieldKind::kValue || field.text_size != 0 || field.scaled()) continue;
       const unsigned width = 16u * items_of(field);
       const auto value = value_in(write.items, field.place - operation.first, items_of(field));
       const std::uint64_t above = (value >> 1) >> (field.bits - 1);

@@ -49,6 +49,18 @@ class Station {
 
 using Frames = std::vector<std::string>;
 
+// Constructed from the tables of Rice Lake, 680 Synergy Plus, 11.3.4, and Mettler-Toledo, Wildcat,
+// Appendix 2: leading zeros are blanks.
+TEST(Toledo, StatusWordASaysWhereThePointIs) {
+  Station scale("toledo-continuous");
+  EXPECT_EQ(scale.hear("12\r\x02\x2C\x30\x20  1234    50\r"), (Frames{"display: \x01 \x01"
+                                                                      "12.34 0.50"}));
+  EXPECT_EQ(scale.hear("\x02\x2A\x2A\x20"
+                       "001234     0\r"),
+            (Frames{"display: \x01 \x01 -1234 0"}));
+  EXPECT_EQ(scale.hear("\x02\x28\x21\x20    12     3\r"), (Frames{"display: \x01 \x01 1200 300"}));
+}
+
 // Sources: Wikipedia, "NMEA 0183" (the first two); gpsinformation.org/dale/nmea.htm.
 TEST(Nmea, ReadsPublishedSentences) {
   Station station("nmea-0183");

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
                          });
 
 TEST(SimCheck, DevicesThatAreNeverRequestedPassTheirMatrix) {
-  for (const char* name : {"nmea-0183", "scale-stream"}) {
+  for (const char* name : {"nmea-0183", "scale-stream", "toledo-continuous"}) {
     const auto declaration = config::load_declaration(name);
     ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
     expect_all_pass(subjects_of(*declaration), kOfUnsolicited);
@@ -206,6 +206,60 @@ operations:
 )";
 
 TEST(SimCheck, NumbersWithASignOrInDigitsAreNoFault) { expect_all_pass({declared_as(kNumbers)}); }
+
+constexpr const char* kScaled =
+    R"(summary: A counter whose values have decimals, exponents and signs
+addresses: { from: 1, to: 99 }
+areas:
+  - { name: state, record: true }
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "R" }, { is: address }]
+    answer: &state
+      - { name: begin, constant: "r" }
+      - { is: address }
+      - { name: weight, is: value, bytes: 3 }
+      - { name: tare, is: value, bytes: 3 }
+      - { name: point, is: decimals, of: weight..tare, bits: 3, plus: 2 }
+      - { is: unused, bits: 4 }
+      - { name: minus, is: sign, of: weight, bits: 1 }
+      - { name: limit, is: value, bytes: 2, signed: true }
+      - { name: limit-power, is: exponent, of: limit, signed: true }
+      - { name: count, is: value, text: decimal(6) }
+      - { name: count-sign, is: sign, of: count, on: 0x2D, off: 0x2B }
+      - { name: count-point, is: decimals, of: count, as: decimal, digits: 1 }
+      - { name: total, is: value, as: bcd, bytes: 3 }
+      - { name: total-power, is: exponent, of: total, plus: 128 }
+      - { is: checksum, kind: sum, of: begin..total-power }
+  - name: set the limit
+    write: state
+    request:
+      - { name: ask, constant: "L" }
+      - { is: address }
+      - { name: limit, is: value, bytes: 2, signed: true }
+      - { name: limit-power, is: exponent, of: limit, signed: true }
+      - { is: checksum, kind: sum, of: ask..limit-power }
+    answer: *state
+  - name: set the count
+    write: state
+    request:
+      - { name: ask, constant: "C" }
+      - { is: address }
+      - { name: count-point, is: decimals, of: count, as: decimal, digits: 1 }
+      - { name: count-sign, is: sign, of: count, on: 0x2D, off: 0x2B }
+      - { name: count, is: value, text: decimal(6) }
+      - { is: checksum, kind: sum, of: ask..count }
+    answer: *state
+)";
+
+TEST(SimCheck, ScaledValuesAreReadAndWritten) {
+  const Subject subject = declared_as(kScaled);
+  expect_all_pass({subject});
+  CheckRows rows;
+  check_values(subject, rows);
+  EXPECT_EQ(rows[1].passed, 16u) << "limit and count are written";
+}
 
 constexpr const char* kAreas = R"(summary: A controller with bytes and words
 addresses: { from: 1, to: 9 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -15,6 +16,40 @@ Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subjec
 
 namespace {
 
+constexpr int kFewestExponent = -9, kMostExponent = 3;
+
+// Values that share an exponent have the same decimals, so that each shows what it holds.
+void describe_scaled(const declared::Frame& frame, const declared::Field& value, Slot& slot) {
+  slot.text_bytes = declared::kScaledCharacters;
+  slot.negative = value.is_signed || value.sign || value.text_size > 1;
+  slot.exponents.emplace();
+  if (value.text_size != 0) {
+    const int digits = value.text_size - (slot.negative && !value.sign ? 1 : 0);
+    slot.largest = static_cast<std::uint64_t>(std::pow(10.0, std::min(digits, 6))) - 1;
+  } else {
+    slot.largest = largest_magnitude(value);
+  }
+  if (!value.exponent) return;
+  const auto range = exponents_of(frame.fields[*value.exponent]);
+  slot.exponents = {std::clamp(range.lowest, kFewestExponent, kMostExponent),
+                    std::clamp(range.highest, kFewestExponent, kMostExponent)};
+  const auto shared = std::ranges::count(frame.fields, value.exponent, &declared::Field::exponent);
+  if (shared > 1) slot.exponents->highest = slot.exponents->lowest;
+}
+
+Bytes scaled_contents(const Slot& slot, std::mt19937& random) {
+  const int exponents = slot.exponents->highest - slot.exponents->lowest + 1;
+  declared::Decimal decimal;
+  decimal.negative = slot.negative && random() % 2 != 0;
+  decimal.digits = random() % (std::min<std::uint64_t>(slot.largest, 999'999) + 1);
+  decimal.exponent =
+      slot.exponents->lowest + static_cast<int>(random() % static_cast<unsigned>(exponents));
+  const std::string text = declared::to_text(decimal);
+  Bytes image(text.begin(), text.end());
+  image.resize(declared::kScaledCharacters);
+  return image;
+}
+
 // Returns false if the frame has no such value.
 bool describe(const declared::Frame& frame, Slot& slot) {
   bool found = false;
@@ -24,6 +59,7 @@ bool describe(const declared::Frame& frame, Slot& slot) {
     found = true;
     slot.text_bytes = field.text_size;
     if (field.text_size == 0) slot.largest = declared::largest(field.word);
+    if (field.scaled()) describe_scaled(frame, field, slot);
     if (!field.variable || i + 1 == frame.fields.size()) continue;
     const declared::Field& next = frame.fields[i + 1];
     slot.end_of_text = next.text.empty() ? static_cast<std::uint8_t>(next.number)
@@ -130,6 +166,7 @@ std::vector<NamedRequest> Requests::examples() const {
       WriteRequest write{.range = slot.range,
                          .items = Bytes(image_bytes(slot.item_bits, slot.range.count))};
       write.items.back() = 1;
+      if (slot.exponents) write.items.back() = 0, write.items.front() = '1';
       if (!allows(write)) write.range.count = 1, write.items.resize(image_bytes(slot.item_bits, 1));
       add("write " + name, write);
       if (protocol_->traits().write_read)
@@ -165,6 +202,7 @@ std::uint64_t image_number(ByteView image) {
 }  // namespace
 
 Bytes Requests::contents(const Slot& slot, std::mt19937& random) {
+  if (slot.exponents) return scaled_contents(slot, random);
   if (slot.text_bytes != 0) return text_contents(slot, random);
   Bytes image(image_bytes(slot.item_bits, slot.range.count));
   for (std::uint8_t& byte : image)

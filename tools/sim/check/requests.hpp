@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/protocol/declared/scaled.hpp"
 #include "tools/sim/check/exchange_run.hpp"
 
 namespace fieldcast::sim {
@@ -20,6 +21,10 @@ struct Slot {
   bool by_item = false;  // these limits apply to each item
   std::uint16_t text_bytes = 0;
   std::uint8_t end_of_text = 0;
+  // Of a scaled value: the exponents that are tried, and whether it can be negative. `largest` is
+  // that of its digits.
+  std::optional<declared::ExponentRange> exponents{};
+  bool negative = false;
 };
 
 struct NamedRequest {

@@ -73,6 +73,7 @@ std::vector<ItemArea> areas_of(const declared::Declaration& declaration) {
 }
 
 std::uint32_t items_in(const Field& value) {
+  if (value.scaled()) return declared::kScaledCharacters / 2;
   if (value.text_size != 0) return (value.text_size + 1u) / 2;
   return value.bits <= 16 ? 1 : value.bits <= 32 ? 2 : 4;
 }
@@ -264,8 +265,10 @@ void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText&
       number = number << 16 | item;
       characters += {static_cast<char>(item >> 8), static_cast<char>(item & 0xFF)};
     }
-    characters.resize(std::min<std::size_t>(characters.size(), field.text_size));
-    if (field.variable) characters.resize(std::min(characters.find('\0'), characters.size()));
+    if (!field.scaled())
+      characters.resize(std::min<std::size_t>(characters.size(), field.text_size));
+    if (field.variable || field.scaled())
+      characters.resize(std::min(characters.find('\0'), characters.size()));
     text.numbers[&field] = number;
     text.texts[&field] = characters;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/sim/device/declared_scale.hpp"
+#include "tools/sim/device/declared_word.hpp"
 #include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
@@ -12,77 +14,6 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Frame;
 using declared::Notation;
-using declared::Word;
-
-std::uint64_t mask(unsigned bits) {
-  return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
-}
-
-// Most significant character first: bytes, or pairs of digits if little-endian.
-Bytes highest_first(ByteView characters, const Word& word) {
-  Bytes turned(characters.begin(), characters.end());
-  if (!word.little_endian) return turned;
-  std::ranges::reverse(turned);
-  if (word.notation == Notation::kHex) {
-    for (std::size_t i = 0; i + 1 < turned.size(); i += 2) std::swap(turned[i], turned[i + 1]);
-  }
-  return turned;
-}
-
-std::optional<std::uint64_t> bcd_number(Bytes turned, const Word& word) {
-  const bool negative = word.sign_bits != 0 && turned[0] >= 0x80;
-  if (negative) turned[0] = static_cast<std::uint8_t>(turned[0] - 0x80);
-  std::uint64_t number = 0;
-  for (const std::uint8_t byte : turned) {
-    if (byte >= 0xA0 || byte % 16 > 9) return std::nullopt;
-    number = 100 * number + 10u * (byte / 16u) + byte % 16u;
-  }
-  return negative ? (~number + 1) & mask(word.sign_bits) : number;
-}
-
-Bytes bcd_characters(std::uint64_t number, const Word& word) {
-  const std::uint64_t half = word.sign_bits == 0 ? 0 : std::uint64_t{1} << (word.sign_bits - 1);
-  const bool negative = half != 0 && number >= half;
-  if (negative) number = 2 * half - number;
-  Bytes text(word.characters);
-  for (std::size_t i = text.size(); i-- > 0; number /= 100)
-    text[i] = static_cast<std::uint8_t>(number % 100 / 10 * 16 + number % 10);
-  if (negative) text[0] = static_cast<std::uint8_t>(text[0] + 0x80);
-  return text;
-}
-
-std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
-  if (word.notation == Notation::kBinary) {
-    std::uint64_t number = 0;
-    for (std::size_t i = 0; i < characters.size(); ++i)
-      number = number << 8 | characters[word.little_endian ? characters.size() - 1 - i : i];
-    return number;
-  }
-  const Bytes turned = highest_first(characters, word);
-  if (word.notation == Notation::kBcd) return bcd_number(turned, word);
-  if (word.notation == Notation::kHex) return number_in(turned, 16);
-  std::uint64_t number = 0;  // up to 18 digits
-  for (const std::uint8_t each : turned) {
-    if (each < '0' || each > '9') return std::nullopt;
-    number = number * 10 + (each - '0');
-  }
-  return number;
-}
-
-Bytes characters_of(std::uint64_t number, const Word& word) {
-  Bytes text;
-  if (word.notation == Notation::kBcd) {
-    text = bcd_characters(number, word);
-  } else if (word.notation == Notation::kHex) {
-    append_hex(text, number, word.characters);
-  } else {
-    const std::uint64_t base = word.notation == Notation::kDecimal ? 10 : 256;
-    for (unsigned i = 0; i < word.characters; ++i, number /= base) {
-      text.insert(text.begin(), static_cast<std::uint8_t>(number % base + (base == 10 ? '0' : 0)));
-    }
-  }
-  return highest_first(text, word);  // the conversion is its own inverse
-}
 
 bool in_digits(const Field& field) {
   return field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
@@ -134,6 +65,7 @@ class ParseRun {
       if (received_.fit != Fit::kWhole) return std::move(received_);
     }
     starts_[at_] = offset_;
+    fields_to_texts(operation_.request, received_.text);
     received_.size = offset_;  // an escaped frame is the whole rest
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
@@ -269,7 +201,10 @@ class ParseRun {
       case FieldKind::kLast: return meant % field.times == 0 && last(meant / field.times);
       case FieldKind::kSequence: stated.sequence = number; return true;
       case FieldKind::kLength: length(field, number); return true;
-      case FieldKind::kValue: stated.numbers[&field] = number; return true;
+      case FieldKind::kValue:
+      case FieldKind::kExponent:
+      case FieldKind::kDecimals:
+      case FieldKind::kSign: stated.numbers[&field] = number; return true;
       default: return true;
     }
   }
@@ -355,7 +290,10 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
     case FieldKind::kLast: return (text.first + text.count - 1) * field.times + plus;
     case FieldKind::kSequence: return text.sequence;
     case FieldKind::kError: return text.error != 0 ? text.error : field.number;
-    case FieldKind::kValue: {
+    case FieldKind::kValue:
+    case FieldKind::kExponent:
+    case FieldKind::kDecimals:
+    case FieldKind::kSign: {
       const auto found = text.numbers.find(&field);
       return found == text.numbers.end() ? 0 : found->second;
     }
@@ -450,7 +388,8 @@ void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
 
 }  // namespace
 
-Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
+Bytes say(const Frame& frame, unsigned item_bits, DeclaredText text) {
+  texts_to_fields(frame, text);
   std::vector<Bytes> parts = parts_of(frame, item_bits, text);
   put_lengths(frame, text.items.size(), parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -33,6 +33,6 @@ struct DeclaredMatch {
                                        const declared::Operation& operation, ByteView bytes,
                                        std::string_view own_name);
 
-[[nodiscard]] Bytes say(const declared::Frame& frame, unsigned item_bits, const DeclaredText& text);
+[[nodiscard]] Bytes say(const declared::Frame& frame, unsigned item_bits, DeclaredText text);
 
 }  // namespace fieldcast::sim
