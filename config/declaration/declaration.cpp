@@ -39,6 +39,10 @@ constexpr std::pair<std::string_view, declared::Escape> kEscapes[] = {
     {"dle", declared::Escape::kDle},     {"slip", declared::Escape::kSlip},
     {"cobs", declared::Escape::kCobs},   {"hdlc", declared::Escape::kHdlc},
     {"shdlc", declared::Escape::kShdlc}, {"kmp", declared::Escape::kKmp}};
+constexpr std::pair<std::string_view, declared::Block> kBlocks[] = {
+    {"records", declared::Block::kRecords},
+    {"tag-value", declared::Block::kTagValue},
+    {"tag-length-value", declared::Block::kTagLengthValue}};
 constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
     {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
 constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {
@@ -59,6 +63,7 @@ class DeclarationReader {
     map_.read("order", defaults_.little_endian, ChoiceRule<bool>{kOrders});
     map_.read("bit-order", defaults_.high_first, ChoiceRule<bool>{kBitOrders});
     map_.read("escape", defaults_.escape, ChoiceRule<declared::Escape>{kEscapes});
+    map_.read("blocks", defaults_.block, ChoiceRule<declared::Block>{kBlocks});
     if (const Node* areas = list("areas", kMaxAreas)) {
       for (const Node* node : areas->items) read_area(*node);
     }

@@ -205,6 +205,7 @@ class OperationCheck {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
       if (!declared::opens_block(frame, i)) continue;
       const std::size_t end = declared::block_end(frame, i);
+      if (frame.block != declared::Block::kRecords) check_tags(frame, i, end);
       const bool measured = std::any_of(
           frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
           [&](const Field& each) { return each.kind == FieldKind::kLength && each.of.holds(i); });
@@ -215,6 +216,28 @@ class OperationCheck {
             fmt::format("no length or mark shows where the block from '{}' on ends",
                         frame.fields[i].name),
             "a constant behind it, or a length of it before it");
+    }
+  }
+
+  // Each tag must show which field it is.
+  void check_tags(const declared::Frame& frame, std::size_t from, std::size_t end) {
+    const bool counted = frame.block == declared::Block::kTagLengthValue;
+    for (std::size_t i = from + 1; i < end; ++i) {
+      const Field& field = frame.fields[i];
+      for (std::size_t earlier = from; earlier < i; ++earlier) {
+        const Field& other = frame.fields[earlier];
+        if (!field.key.starts_with(other.key) && !other.key.starts_with(field.key)) continue;
+        faults_.add(draft_.response.fields[i].position,
+                    fmt::format("the tag of '{}' cannot be distinguished from that of '{}'",
+                                field.name, other.name),
+                    "tags with different beginnings");
+        return;
+      }
+      needs(!counted || field.key.size() == frame.fields[from].key.size(),
+            draft_.response.fields[i].position,
+            fmt::format("the tag of '{}' has another size than that of '{}'", field.name,
+                        frame.fields[from].name),
+            "tags of one size before a length");
     }
   }
 

@@ -63,7 +63,7 @@ const Meaning kMeanings[] = {
     {"optional", {FieldKind::kConstant}},
     {"signed", {FieldKind::kValue, FieldKind::kItems, FieldKind::kExponent, FieldKind::kDecimals}},
     {"fill", {FieldKind::kUnused}},
-    {"key", {FieldKind::kValue}},
+    {"key", {FieldKind::kValue, FieldKind::kUnused}},
     {"until", {FieldKind::kValue}},
     {"counts", {FieldKind::kLength}},
 };
@@ -143,12 +143,33 @@ class FieldReader {
     return bytes;
   }
 
-  // A value of a block: the characters before it, or the DIF and VIF of an M-Bus record.
+  // A value of a block: the characters before it, the DIF and VIF of an M-Bus record, or a tag.
   void read_key() {
-    Field& field = draft_.field;
     const Node* key = map_.find("key");
+    if (defaults_.block != declared::Block::kRecords)
+      read_tag(key);
+    else
+      read_record_key(key);
+    if (key != nullptr && (draft_.shares || draft_.field.variable))
+      faults_.add(draft_.position, "a value with a key has bytes of its own",
+                  "no bits, no variable");
+  }
+
+  void read_tag(const Node* key) {
+    if (map_.find("until") != nullptr)
+      map_.fault("until", "'until' has no meaning behind a tag", "a length of the text");
+    if (key == nullptr) return;
+    draft_.field.key = key->kind == Kind::kList ? read_bytes(*key, "key")
+                                                : TextRule{32}(*key, "key", faults_).value_or("");
+  }
+
+  void read_record_key(const Node* key) {
+    Field& field = draft_.field;
     const Node* until = map_.find("until");
     const bool is_text = field.text_size != 0;
+    if (key != nullptr && field.kind == FieldKind::kUnused)
+      faults_.add(key->position, "an unused field with a key",
+                  "blocks: tag-value at the top of the file, or no such field");
     if (until != nullptr && (key == nullptr || !is_text))
       map_.fault("until", "'until' belongs to a text with a key", "key: and text:");
     if (key == nullptr) return;
@@ -161,9 +182,9 @@ class FieldReader {
     field.until = ")";
     if (until != nullptr) field.until = TextRule{32}(*until, "until", faults_).value_or("");
     if (!is_text) field.until.clear();
-    if (draft_.shares || field.variable)
-      faults_.add(draft_.position, "a value with a key has bytes of its own",
-                  "no bits, no variable");
+    if (!is_text && field.key.size() == 1)
+      faults_.add(key->position, "the key of an M-Bus record has one byte",
+                  "[DIF, VIF], or blocks: tag-value at the top of the file");
   }
 
   // A constant that a response may omit.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
                                              "bit-order", "areas",     "operations", "errors",
-                                             "login",     "escape"};
+                                             "login",     "escape",    "blocks"};
 constexpr std::string_view kAddresses[] = {"from", "to", "text"};
 constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
                                       "prefix", "base", "origin", "trigger"};
@@ -293,6 +293,7 @@ void append_group(DraftFrame& frame, const Node& node, const FieldDefaults& defa
 declared::Frame DraftFrame::frame() const {
   declared::Frame frame;
   for (const auto& draft : fields) frame.fields.push_back(draft.field);
+  frame.block = block;
   frame.escape = escape;
   frame.escaped = escaped;
   return frame;
@@ -309,6 +310,7 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
                       unsigned item_bits, FaultList& faults) {
   DraftFrame frame;
   frame.position = node.position;
+  frame.block = defaults.block;
   frame.good = is_list(node, what, 1, declared::kMaxFields,
                        fmt::format("a list of 1 to {} fields", declared::kMaxFields), faults);
   if (!frame.good) return frame;

@@ -21,6 +21,7 @@ struct FieldDefaults {
   // The first field of a shared byte uses the highest bits instead of the lowest.
   bool high_first = false;
   declared::Escape escape = declared::Escape::kNone;
+  declared::Block block = declared::Block::kRecords;
   std::uint32_t origin = 0;  // of the area: `plus: origin`
 };
 
@@ -37,6 +38,7 @@ struct DraftField {
 
 struct DraftFrame {
   std::vector<DraftField> fields;
+  declared::Block block = declared::Block::kRecords;
   declared::Escape escape = declared::Escape::kNone;
   declared::Span escaped;
   Position position;

@@ -1,4 +1,4 @@
-// Values in a block of lines (IEC 62056-21) or of M-Bus data records (EN 13757-3).
+// Values in a block of lines (IEC 62056-21), of M-Bus data records (EN 13757-3) or of tags.
 #include <algorithm>
 
 #include "core/codec/digits.hpp"
@@ -54,9 +54,46 @@ std::optional<ByteView> record_in(ByteView block, const Field& field) {
   return std::nullopt;
 }
 
+bool has_key(ByteView bytes, const Field& field) {
+  return bytes.size() >= field.key.size() &&
+         std::ranges::equal(bytes.first(field.key.size()), field.key, {}, {},
+                            [](char c) { return static_cast<std::uint8_t>(c); });
+}
+
+// Ends at a tag without a field, as its length is unknown.
+std::optional<ByteView> tagged_in(const Frame& frame, std::size_t index, ByteView block) {
+  const bool counted = frame.block == Block::kTagLengthValue;
+  const Field& wanted = frame.fields[index];
+  std::size_t first = index;
+  while (!opens_block(frame, first)) --first;
+  const std::span fields(frame.fields.data() + first, block_end(frame, first) - first);
+  while (!block.empty()) {
+    const auto field =
+        std::ranges::find_if(fields, [&](const Field& each) { return has_key(block, each); });
+    if (field == fields.end() && !counted) return std::nullopt;
+    // All tags have one size if a length follows them.
+    const std::size_t header = counted ? wanted.key.size() + 1 : field->key.size();
+    if (header > block.size()) return std::nullopt;
+    const std::size_t size = counted                 ? block[header - 1]
+                             : field->text_size != 0 ? field->text_size
+                                                     : field->word.characters;
+    block = block.subspan(header);
+    if (size > block.size()) return std::nullopt;
+    if (field != fields.end() && &*field == &wanted) {
+      const bool fits =
+          wanted.text_size != 0 ? size <= wanted.text_size : size == wanted.word.characters;
+      return fits ? std::optional(block.first(size)) : std::nullopt;
+    }
+    block = block.subspan(size);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-std::optional<ByteView> value_in_block(ByteView block, const Field& field) {
+std::optional<ByteView> value_in_block(const Frame& frame, std::size_t at, ByteView block) {
+  const Field& field = frame.fields[at];
+  if (frame.block != Block::kRecords) return tagged_in(frame, at, block);
   if (field.text_size == 0) return record_in(block, field);
   const auto same = [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); };
   for (auto from = block.begin();; ++from) {

@@ -69,8 +69,8 @@ struct Field {
   std::uint16_t text_size = 0;  // maximum characters of a text value, or of an address as text
   TextNumber text_number = {};  // format of a number written as text; empty for plain text
   std::string text;             // of a text constant
-  // Of a value in a block: the characters before it, or the DIF and VIF of an M-Bus record. Fields
-  // with a key that follow each other are one block, in which their values have any order.
+  // Of a value in a block: the characters before it, the DIF and VIF of an M-Bus record, or a tag.
+  // Fields with a key that follow each other are one block, in which their values have any order.
   std::string key;
   std::string until;  // characters behind a text with a key
   std::uint64_t number = 0;
@@ -97,8 +97,16 @@ struct Field {
   return unused.number == 0 ? ' ' : static_cast<std::uint8_t>(unused.number);
 }
 
+// The form of the values in a block.
+enum class Block : std::uint8_t {
+  kRecords,         // lines of text (IEC 62056-21), or M-Bus data records
+  kTagValue,        // the tag determines the length
+  kTagLengthValue,  // a byte behind the tag counts the bytes of the value
+};
+
 struct Frame {
   std::vector<Field> fields;
+  Block block = Block::kRecords;
   Escape escape = Escape::kNone;  // of the fields `escaped`, between the marks of the frame
   Span escaped;
   friend bool operator==(const Frame&, const Frame&) = default;

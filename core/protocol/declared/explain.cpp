@@ -240,10 +240,10 @@ class Reader {
     while (!opens_block(frame_, opener)) --opener;
     const std::size_t at = std::min(starts_[opener], bytes_.size());
     const auto block = bytes_.subspan(at, std::min(widths_[opener], bytes_.size() - at));
-    const auto found = value_in_block(block, field);
+    const auto found = value_in_block(frame_, index, block);
     if (!found) return add(at, 0, field.name, "not in this frame");
     const auto where = static_cast<std::size_t>(found->data() - bytes_.data());
-    if (field.text_size != 0)
+    if (field.text_size != 0 || field.kind == FieldKind::kUnused)
       return add(where, found->size(), field.name, std::string(found->begin(), found->end()));
     const auto number = read_word(*found, field.word);
     add(where, found->size(), field.name,

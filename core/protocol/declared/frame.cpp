@@ -14,9 +14,10 @@ bool in_digits(const Field& field) {
 std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t count) {
   if (field.kind == FieldKind::kItems) return items_size(field, item_bits, count);
   if (!field.text.empty()) return field.text.size();
-  if (!field.key.empty()) {  // with the end of a line behind a text
-    return field.key.size() + (field.text_size != 0 ? field.text_size + field.until.size() + 2
-                                                    : field.word.characters);
+  if (!field.key.empty()) {  // with the length of a tag, or the end of a line behind a text
+    return field.key.size() + 1 +
+           (field.text_size != 0 ? field.text_size + field.until.size() + 2
+                                 : field.word.characters);
   }
   if (field.text_size != 0) return field.text_size;
   return field.opens ? field.word.characters : 0;

@@ -74,8 +74,10 @@ struct MatchResult {
 // The characters of a constant, without its transform. REQUIRES: it shares no byte.
 [[nodiscard]] Bytes constant_characters(const Field& constant);
 
-// The characters of the value of `field` in a block; empty if the block does not contain it.
-[[nodiscard]] std::optional<ByteView> value_in_block(ByteView block, const Field& field);
+// The characters of the value of the field `at` in its block; empty if the block does not contain
+// it.
+[[nodiscard]] std::optional<ByteView> value_in_block(const Frame& frame, std::size_t at,
+                                                     ByteView block);
 [[nodiscard]] inline bool opens_block(const Frame& frame, std::size_t at) {
   return !frame.fields[at].key.empty() && (at == 0 || frame.fields[at - 1].key.empty());
 }

@@ -258,14 +258,14 @@ class Matcher {
     offset_ += *size;
     for (; at_ < end; ++at_) {
       if (at_ + 1 < end) starts_[at_ + 1] = offset_;
-      block_value(content, fields_[at_]);
+      if (fields_[at_].kind == FieldKind::kValue) block_value(content, fields_[at_]);
     }
     --at_;
     return true;
   }
 
   void block_value(ByteView content, const Field& field) {
-    const auto found = value_in_block(content, field);
+    const auto found = value_in_block(frame_, at_, content);
     const auto number =
         found && field.text_size == 0 ? read_word(*found, field.word) : std::nullopt;
     if (number) return value(field, *number & (UINT64_MAX >> (64 - field.bits)));

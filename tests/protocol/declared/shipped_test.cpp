@@ -51,6 +51,33 @@ TEST(Dlt645, ReadsTheForwardEnergyOfAPublishedExchange) {
   EXPECT_FALSE(drive(*other.begin(other.read("energy:10000", 1)), response).done());
 }
 
+// Source: esphome-jk-bms, docs/protocol-design-uart-ttl-gps-port.md.
+TEST(JkBms, ReadsThePackOfAPublishedExchange) {
+  const Device pack = declared_device("jk-bms", 1);
+  const Bytes response = bytes_of(
+      "4E57 011B 00000000 06 00 01 79 2A 010EED 020EFA 030EF7 040EEC 050EF8 060EFA 070EF1 080EF8 "
+      "090EE3 0A0EFA 0B0EF1 0C0EFB 0D0EFB 0E0EF2 80001D 81001E 82001C 8314EF 8480D0 850F 8602 "
+      "870004 8900000000 8A000E 8B0000 8C0007 8E1626 8F10AE 900FD2 910FA0 920005 930BEA 940C1C "
+      "950005 96012C 970007 980003 990005 9A0005 9B0CE4 9C0008 9D01 9E005A 9F0046 A00064 A10064 "
+      "A20014 A30046 A40046 A5FFEC A6FFF6 A7FFEC A8FFF6 A90E AA0000000E AB01 AC01 AD0411 AE01 "
+      "AF01 B0000A B114 B231323334353600000000 B300 B4496E707574205573 B532313031 B60000E200 "
+      "B748362E585F5F53362E312E33535F5F B800 B900000000 "
+      "BA425433303732303230313230303030323030353231303031 C001 00000000 68 0000 54D1");
+  const auto read = [&](std::string_view at, std::uint32_t items) {
+    const Request request = pack.read(at, items);
+    EXPECT_EQ(to_hex(pack.request_bytes(request)),
+              "4E 57 00 13 00 00 00 00 06 03 00 00 00 00 00 00 68 00 00 01 29");
+    return items_of(pack, request, response);
+  };
+  EXPECT_EQ(read("cell-1", 1), "0E ED");
+  EXPECT_EQ(read("cell-14", 1), "0E F2");
+  EXPECT_EQ(read("voltage", 1), "14 EF");
+  EXPECT_EQ(read("current", 1), "80 D0");
+  EXPECT_EQ(read("charge", 1), "00 0F");
+  EXPECT_EQ(read("state", 1), "00 07");
+  EXPECT_TRUE(read("cell-15", 1).starts_with("failed")) << "the pack has 14 cells";
+}
+
 // Constructed from section 5 of the standard: values with a sign, and refusals.
 TEST(Dlt645, ReadsSignsAndRefusals) {
   const Device device = meter("dlt645-2007", "398192000337");

@@ -84,7 +84,8 @@ INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
                          testing::Values("instrument", "modbus-rtu-declared", "dlt645-2007",
                                          "adam-4000", "mt-sics", "iec62056-21", "m-bus",
                                          "m-bus-secondary", "panasonic-mewtocol", "fatek-facon",
-                                         "delta-dvp-ascii", "delta-dvp-rtu", "keyence-kv"),
+                                         "delta-dvp-ascii", "delta-dvp-rtu", "keyence-kv",
+                                         "jk-bms"),
                          [](const auto& chosen) {
                            std::string name = chosen.param;
                            std::ranges::replace(name, '-', '_');
@@ -411,6 +412,29 @@ operations:
                                                          "weather.yaml");
   ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
   expect_all_pass(subjects_of(*declaration));
+}
+
+TEST(SimCheck, PassesWithTagsOfEitherKind) {
+  for (const char* blocks : {"tag-value", "tag-length-value"}) {
+    expect_all_pass({declared_as("blocks: " + std::string(blocks) + R"(
+summary: sensors
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "R" }, { is: address }]
+    answer:
+      - { name: begin, constant: "r" }
+      - { is: length, of: length..checksum, bytes: 2 }
+      - { is: address }
+      - { name: settings, is: unused, key: [0x07], bytes: 3 }
+      - { name: level, is: value, key: [0x13], bytes: 2, signed: true }
+      - { name: title, is: value, key: "T", text: 4 }
+      - { name: spare, is: unused, key: [0x15], text: 2 }
+      - { is: checksum, kind: sum, of: begin..spare, bytes: 2 }
+)")});
+  }
 }
 
 }  // namespace

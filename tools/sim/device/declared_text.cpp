@@ -320,6 +320,22 @@ std::string_view between_values(const std::vector<Field>& fields, std::size_t at
   return ends_at_line ? " " : kLine;
 }
 
+Bytes tagged(const Frame& frame, const Field& field, const DeclaredText& text) {
+  Bytes value;
+  if (field.text_size == 0) {
+    value = characters_of(spoken(field, text) & mask(field.bits), field.word);
+  } else {
+    const auto found = text.texts.find(&field);
+    if (found != text.texts.end()) value.assign(found->second.begin(), found->second.end());
+    value.resize(field.text_size, field.kind == FieldKind::kUnused ? blank_of(field) : 0);
+  }
+  Bytes part(field.key.begin(), field.key.end());
+  if (frame.block == declared::Block::kTagLengthValue)
+    part.push_back(static_cast<std::uint8_t>(value.size()));
+  append(part, value);
+  return part;
+}
+
 // Bytes of each field, without lengths and checksums. Parts of a word are in its first field.
 std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
@@ -332,6 +348,8 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       append_items(parts[i], field, item_bits, text.items);
     } else if (!field.text.empty()) {
       parts[i].assign(field.text.begin(), field.text.end());
+    } else if (!field.key.empty() && frame.block != declared::Block::kRecords) {
+      parts[i] = tagged(frame, field, text);
     } else if (!field.key.empty()) {
       parts[i].assign(field.key.begin(), field.key.end());
       if (field.text_size == 0) {
