@@ -126,14 +126,13 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   for (const PointIndex point : block.points) {
     const std::size_t found = find_range(block, responded, map_.points[point].range, at);
     if (found != kNowhere) at = found;
-    const bool absent = found != kNowhere && is_absent(map_.points[point].range, reply[found]);
-    if (found == kNowhere || absent || reply[found].cause != Cause::kNone) {
-      if (absent || bad.empty() || bad.back().range != found) bad.push_back({found, {}});
+    if (found == kNowhere || reply[found].cause != Cause::kNone) {
+      if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
       bad.back().points.push_back(point);
       continue;
     }
     good.push_back(point);
-    accept(point, block.ranges[found], reply[found].items, acquired, samples, sink);
+    accept(point, block.ranges[found], reply[found], acquired, samples, sink);
   }
   if (sink.tracing())
     sink.trace(block.device, "read " + text(block.points.front()) + ".., " +
@@ -150,8 +149,7 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   }
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {
-    RangeReply response = part.range == kNowhere ? RangeReply{} : reply[part.range];
-    if (!response.absent.empty()) response.cause = Cause::kDeviceError;
+    const RangeReply response = part.range == kNowhere ? RangeReply{} : reply[part.range];
     if (response.cause == Cause::kDeviceBusy) {
       busy(part_of(block, std::move(part.points)), response.device_code, now, sink);
       continue;
@@ -162,13 +160,15 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   sink.publish(std::move(bad_samples));
 }
 
-// `items`: the items of the range `responded`, which contains the point.
-void ReadPath::accept(PointIndex point, const Range& responded, ByteView items, Instant acquired,
-                      std::vector<Sample>& samples, ActionSink& sink) {
+// `reply`: of the range `responded`, which contains the point.
+void ReadPath::accept(PointIndex point, const Range& responded, const RangeReply& reply,
+                      Instant acquired, std::vector<Sample>& samples, ActionSink& sink) {
   const Point& read = map_.points[point];
   const unsigned bits = setup_.area(read.device, read.range.area).item_bits;
-  const ByteView own = items.subspan(image_bytes(bits, read.range.first - responded.first),
-                                     image_bytes(bits, read.range.count));
+  const ByteView own = ByteView(reply.items)
+                           .subspan(image_bytes(bits, read.range.first - responded.first),
+                                    image_bytes(bits, read.range.count));
+  const bool absent = is_absent(read.range, reply);
   Learned& learned = learned_[read.device];
   learned.doubted.erase(point);
   learned.busy.erase(point);
@@ -176,8 +176,12 @@ void ReadPath::accept(PointIndex point, const Range& responded, ByteView items, 
   if (learned.refused.erase(point) + learned.busy_alone.erase(point) > 0)
     sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
                 text(point) + " is readable again");
-  for (const ChannelIndex channel : map_.channels_of[point])
-    channels_.acquired(channel, bits, own, acquired, samples);
+  for (const ChannelIndex channel : map_.channels_of[point]) {
+    if (absent)
+      channels_.no_value(channel, Cause::kNotAvailable, acquired, samples);
+    else
+      channels_.acquired(channel, bits, own, acquired, samples);
+  }
 }
 
 void ReadPath::learn_blocks(const Block& block, const Reply& reply, Instant now) {

@@ -132,7 +132,7 @@ class ReadPath {
   [[nodiscard]] bool lengthen(Read& read, Instant now, const Gate& gate) const;
   void hold(const Block& block, Instant until, Instant now);
   void learn_blocks(const Block& block, const Reply& reply, Instant now);
-  void accept(PointIndex point, const Range& responded, ByteView items, Instant acquired,
+  void accept(PointIndex point, const Range& responded, const RangeReply& reply, Instant acquired,
               std::vector<Sample>& samples, ActionSink& sink);
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);

@@ -49,6 +49,8 @@ struct Area {
   // Every request reads the window as a whole (S7 freeport).
   bool window = false;
   std::uint32_t bank = 0;  // no range crosses a multiple of this (EM of Omron); 0: none
+  // The first item of a bank counts the others that exist at the moment (queues).
+  bool counted = false;
   // Usual time between two frames in which the device sends the items by itself; no request reads
   // them. Zero: they are requested.
   Duration unsolicited{};
@@ -103,7 +105,7 @@ struct RangeReply {
   Cause cause = Cause::kNone;
   std::uint16_t device_code = 0;  // with kDeviceError: exception code, end code, item code
   Bytes items;                    // the image if cause is kNone; empty for a write
-  // Parts of the range that the response does not have: each is refused, the rest is read.
+  // Parts of the range that have no value in this response, but may have one in the next.
   std::vector<Range> absent{};
 };
 // One entry for each range of a read, one for a write.

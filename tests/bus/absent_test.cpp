@@ -14,14 +14,19 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualBus;
 
-BusSpec meter() {
+BusSpec bus_of(std::string_view text) {
   const config::FileReader reader{
       [](const std::string& path) -> tl::expected<std::string, config::FileError> {
         if (path == "protocols/meter.yaml") return std::string(test::kMultimeter);
         return tl::unexpected(config::FileError::kMissing);
       },
       {}};
-  const auto loaded = config::load_text(R"(
+  const auto loaded = config::load_text(std::string(text), "plant.yaml", reader);
+  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
+  return loaded->buses[0];
+}
+
+constexpr std::string_view kMeter = R"(
 bridge: b
 buses:
   - name: bus
@@ -34,16 +39,26 @@ buses:
           - { name: volts, at: volts, type: uint16, refresh: 200ms }
           - { name: amperes, at: amperes, type: uint32, refresh: 200ms }
           - { name: battery, at: battery, type: uint8, refresh: 200ms }
-)",
-                                        "plant.yaml", reader);
-  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
-  return loaded->buses[0];
-}
+)";
+
+constexpr std::string_view kQueue = R"(
+bridge: b
+buses:
+  - name: bus
+    port: { serial: /dev/ttyS0, baud: 19200 }
+    protocol: modbus-rtu
+    devices:
+      - name: recorder
+        address: 1
+        channels:
+          - { name: queued, at: "fifo:7", type: uint16, refresh: 200ms, limits: { low: 0, high: 40 } }
+          - { name: second, at: "fifo:7:2", type: uint16, refresh: 200ms }
+)";
 
 TEST(Absent, AValueThatIsNotInTheResponseTakesNoOtherWithIt) {
   sim::BusFaults first_form;
   first_form.devices["m"].form = 0;
-  VirtualBus bus(meter(), first_form, 1);
+  VirtualBus bus(bus_of(kMeter), first_form, 1);
   bus.run_until(bus.now() + 150s);
   const auto& channels = bus.channels();
   for (const std::size_t there : {0u, 2u}) {
@@ -51,13 +66,13 @@ TEST(Absent, AValueThatIsNotInTheResponseTakesNoOtherWithIt) {
     EXPECT_GE(channels[there].good, 740u);
     EXPECT_LE(channels[there].longest_gap, 220ms);
   }
-  EXPECT_EQ(channels[1].quality, Quality::kBadDeviceError);
+  EXPECT_EQ(channels[1].quality, Quality::kBadRange);
   EXPECT_EQ(channels[1].good, 0u);
 }
 
 // The device sends each form for 45 s; a refused value is requested again after 60 s.
 TEST(Absent, AValueIsGoodWhileItsFormIsSent) {
-  VirtualBus bus(meter(), {}, 1);
+  VirtualBus bus(bus_of(kMeter), {}, 1);
   bus.run_until(bus.now() + 300s);
   const auto& channels = bus.channels();
   EXPECT_GE(channels[2].good, 1480u);
@@ -65,6 +80,24 @@ TEST(Absent, AValueIsGoodWhileItsFormIsSent) {
     EXPECT_GE(channels[sometimes].good, 300u);
     EXPECT_LE(channels[sometimes].good, 900u);
   }
+}
+
+TEST(Absent, ARegisterOfAQueueIsReadAsSoonAsItIsQueued) {
+  VirtualBus bus(bus_of(kQueue), {}, 1);
+  sim::SimDevice& device = *bus.plant().members()[0].device;
+  ASSERT_TRUE(device.poke("fifo", 7 * 32, 1));
+  bus.run_until(bus.now() + 20s);
+  const auto& channels = bus.channels();
+  EXPECT_EQ(channels[0].quality, Quality::kGood);
+  EXPECT_EQ(channels[1].quality, Quality::kBadRange);
+  EXPECT_EQ(channels[1].good, 0u);
+  ASSERT_TRUE(device.poke("fifo", 7 * 32, 2));
+  bus.run_until(bus.now() + 400ms);
+  EXPECT_EQ(channels[1].quality, Quality::kGood);
+  EXPECT_GE(channels[1].good, 1u);
+  ASSERT_TRUE(device.poke("fifo", 7 * 32, 0));
+  bus.run_until(bus.now() + 400ms);
+  EXPECT_EQ(channels[1].quality, Quality::kBadRange);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Range range(Table table, std::uint32_t first, std::uint32_t count) {
 }
 
 void fuzz(ByteView data) {
-  static const std::array<Request, 10> requests{
+  static const std::array<Request, 12> requests{
       ReadRequest{{range(Table::kCoil, 19, 19)}},
       ReadRequest{{range(Table::kHolding, 107, 3)}},
       ReadRequest{{range(Table::kInputRegister, 0, 125)}},
@@ -30,6 +30,8 @@ void fuzz(ByteView data) {
       WriteRequest{.range = range(Table::kFile, 40007, 2), .items = {6, 0xAF, 4, 0xBE}},
       ReadRequest{{range(Table::kIdentity, 244, 16)}},
       ReadRequest{{range(Table::kIdentity, 0, kObjectCharacters)}},
+      ReadRequest{{range(Table::kFifo, 1246 * 32, 32)}},
+      ReadRequest{{range(Table::kFifo, 1246 * 32 + 2, 2)}},
   };
   static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
   if (data.size() < 2) return;

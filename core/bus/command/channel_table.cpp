@@ -118,22 +118,31 @@ void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when)
   out.push_back(entry.last);
 }
 
-void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items,
-                            Instant acquired, std::vector<Sample>& out) {
+void ChannelTable::response(ChannelIndex channel, Instant acquired, Cause cause) {
   Entry& entry = entries_[channel];
   entry.freshness.acquired(acquired, misses_);
   queue(channel);
   ++entry.readings;
   if (entry.read != kLongAgo) entry.worst_gap = std::max(entry.worst_gap, acquired - entry.read);
   entry.read = acquired;
+  entry.freshness.explain(cause);
+}
+
+void ChannelTable::no_value(ChannelIndex channel, Cause cause, Instant acquired,
+                            std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  response(channel, acquired, cause);
+  entry.last.quality = quality_of(cause);
+  entry.last.device_code = cause == Cause::kNotAvailable ? kNotAvailableCode : 0;
+  publish(entry, out, acquired);
+}
+
+void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items,
+                            Instant acquired, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
   auto value = decode_value(entry.spec->encoding, item_bits, items, codec_);
-  entry.freshness.explain(value ? Cause::kNone : value.error());
-  if (!value) {
-    entry.last.quality = quality_of(value.error());
-    entry.last.device_code = value.error() == Cause::kNotAvailable ? kNotAvailableCode : 0;
-    publish(entry, out, acquired);
-    return;
-  }
+  if (!value) return no_value(channel, value.error(), acquired, out);
+  response(channel, acquired, Cause::kNone);
   if (held_back(entry, *value, acquired)) return;
   entry.last.value = std::move(*value);
   entry.last.quality = Quality::kGood;

@@ -50,7 +50,9 @@ class ChannelTable {
   // Appends a sample unless the deadband holds it back.
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                 std::vector<Sample>& out);
-  // The same for the channels of a frame that the device sent by itself; `range` is a record.
+  // Appends a sample of the last value: the response has none of this channel, by `cause`.
+  void no_value(ChannelIndex channel, Cause cause, Instant acquired, std::vector<Sample>& out);
+  // As `acquired` for the channels of a frame that the device sent by itself; `range` is a record.
   void unsolicited(DeviceIndex device, const Range& range, ByteView items, Instant acquired,
                    std::vector<Sample>& out);
   // Publishes immediately, and again only after a change.
@@ -95,6 +97,7 @@ class ChannelTable {
   };
 
   void queue(ChannelIndex channel);
+  void response(ChannelIndex channel, Instant acquired, Cause cause);
   void publish(Entry& entry, std::vector<Sample>& out, Instant when);
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
 

@@ -88,7 +88,7 @@ void CommandJob::responded(const Reply& reply) {
   asked_ = true;
   for (const RangeReply& range : reply) {
     if (range.cause != Cause::kNone) return failed(range.cause, range.device_code);
-    if (!range.absent.empty()) return failed(Cause::kDeviceError, 0);
+    if (!range.absent.empty()) return failed(Cause::kNotAvailable, 0);
   }
   switch (phase_) {
     case Phase::kReadBefore: merge_into(reply.front().items); break;

@@ -12,11 +12,14 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, file:F:R, id:N, or a reference 00001.., 10001.., 30001.., 40001.. (counted "
+    "and BIT 0..15, file:F:R, id:N, fifo:N, or a reference 00001.., 10001.., 30001.., 40001.. "
+    "(counted "
     "from 1)";
 constexpr std::string_view kRecordAllowed =
     "file:F:R, file:F:R.BIT with F 1..65535, R 0..9999 and BIT 0..15";
 constexpr std::string_view kObjectAllowed = "id:N with N 0..6 or 128..255";
+constexpr std::string_view kQueueAllowed =
+    "fifo:N (count of the queue), fifo:N:P, fifo:N:P.BIT with N 0..65535, P 1..31 and BIT 0..15";
 
 struct Word {
   std::string_view name;
@@ -28,7 +31,8 @@ constexpr std::array kWords{Word{"coil", Table::kCoil},
                             Word{"holding", Table::kHolding},
                             Word{"input-register", Table::kInputRegister},
                             Word{"file", Table::kFile},
-                            Word{"id", Table::kIdentity}};
+                            Word{"id", Table::kIdentity},
+                            Word{"fifo", Table::kFifo}};
 // Spellings of other tools; only used for the suggestion.
 constexpr std::array kHabits{Word{"coils", Table::kCoil},
                              Word{"inputs", Table::kInput},
@@ -58,7 +62,7 @@ std::optional<std::string> as_hexadecimal(std::string_view text) {
 }
 
 constexpr AddressFaults address_fault{kAllowed}, record_fault{kRecordAllowed},
-    object_fault{kObjectAllowed};
+    object_fault{kObjectAllowed}, queue_fault{kQueueAllowed};
 
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -127,6 +131,28 @@ ParsedOrFault parse_object(std::string_view rest) {
   return parsed;
 }
 
+// "1246": the count; "1246:1", "1246:1.5": its first register.
+ParsedOrFault parse_queue(std::string_view rest) {
+  const std::size_t colon = rest.find(':');
+  const std::string pointer_text(rest.substr(0, colon));
+  const auto pointer = number(pointer_text);
+  if (!pointer || *pointer > kLastAddress)
+    return queue_fault("pointer " + in_quotes(pointer_text) + " is not 0..65535", "fifo:0");
+  const std::uint32_t first = *pointer * kQueueItems;
+  if (colon == std::string_view::npos) return address(Table::kFifo, first);
+  const std::string_view place = rest.substr(colon + 1);
+  const std::size_t dot = place.find('.');
+  const std::string position_text(place.substr(0, dot));
+  const auto position = number(position_text);
+  const std::string prefix = "fifo:" + pointer_text + ":";
+  if (!position || *position == 0 || *position > kMaxQueued)
+    return queue_fault("position " + in_quotes(position_text) + " is not 1..31", prefix + "1");
+  if (dot == std::string_view::npos) return address(Table::kFifo, first + *position);
+  const auto bit = bit_of_word(place.substr(dot + 1));
+  if (!bit) return bit_fault(queue_fault, place.substr(dot + 1), prefix + position_text);
+  return address(Table::kFifo, first + *position, bit);
+}
+
 // "holding:100.5".
 ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
   const auto word =
@@ -135,6 +161,7 @@ ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
     return address_fault("area " + in_quotes(area) + " is unknown", suggest_area(area, rest));
   if (word->table == Table::kFile) return parse_record(rest);
   if (word->table == Table::kIdentity) return parse_object(rest);
+  if (word->table == Table::kFifo) return parse_queue(rest);
 
   const std::size_t dot = rest.find('.');
   const auto first = number(rest.substr(0, dot));

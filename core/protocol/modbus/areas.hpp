@@ -8,7 +8,7 @@
 
 namespace fieldcast::modbus {
 
-enum class Table : AreaIndex { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity };
+enum class Table : AreaIndex { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity, kFifo };
 
 // Application Protocol V1.1b3, 6.1-6.15; they limit every PDU to 253 bytes.
 inline constexpr std::uint16_t kMaxReadBits = 2000;
@@ -26,9 +26,12 @@ inline constexpr std::uint32_t kFiles = 65536;
 // carries no longer text.
 inline constexpr std::uint16_t kObjectCharacters = 244;
 inline constexpr std::uint32_t kObjects = 256;
+// A queue is a bank of the area `fifo`: its count, then the registers in their order (6.18).
+inline constexpr std::uint16_t kMaxQueued = 31;
+inline constexpr std::uint16_t kQueueItems = kMaxQueued + 1;
 
 // In the order of Table. `mask_write`: supports function 22, for one bit or byte of a register.
-[[nodiscard]] constexpr std::array<Area, 6> areas(bool mask_write) {
+[[nodiscard]] constexpr std::array<Area, 7> areas(bool mask_write) {
   return {{
       {.name = "coil",
        .item_bits = 1,
@@ -58,12 +61,20 @@ inline constexpr std::uint32_t kObjects = 256;
        .max_read = kObjectCharacters,
        .max_write = 0,
        .bank = kObjectCharacters},
+      {.name = "fifo",
+       .item_bits = 16,
+       .items = 65536 * kQueueItems,
+       .max_read = kQueueItems,
+       .max_write = 0,
+       .bank = kQueueItems,
+       .counted = true},
   }};
 }
 
 // "coil:3", "input:3" or "discrete-input:3", "holding:0x64", "input-register:100", "holding:100.5",
 // and the references 00001, 10001, 30001, 40001 (or 000001 .. 465536), which count from 1;
-// "file:4:7" (file, record), "file:4:7.3", "id:0" (object).
+// "file:4:7" (file, record), "file:4:7.3", "id:0" (object), "fifo:1246" (count of the queue),
+// "fifo:1246:1" (its first register).
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at);
 
 }  // namespace fieldcast::modbus

@@ -43,6 +43,7 @@ class PduExplainer {
       case 21: return write_file();
       case 22: return mask_write();
       case 23: return read_write();
+      case 24: return read_queue();
       case 43: return has(1, 1) && pdu_[1] == 0x0E ? identity() : other();
       default: return other();
     }
@@ -266,6 +267,25 @@ class PduExplainer {
   void write_file() {
     writer_.remark("request or its response: both have the same bytes");
     groups();
+  }
+
+  void read_queue() {
+    const bool request = pdu_.size() <= 3;
+    writer_.remark(request ? "request" : "response");
+    if (request) return address(1, "pointer");
+    const std::size_t present = pdu_.size() - 3;
+    word(1, "byte count", {},
+         read_u16(pdu_, 1) == present ? "" : number(present) + " bytes follow");
+    const std::size_t queued = has(3, 2) ? read_u16(pdu_, 3) : 0;
+    const bool fits = 2 * queued + 2 == present;
+    word(3, "queued", {},
+         queued > kMaxQueued ? "must be 0..31"
+         : fits              ? ""
+                             : "the byte count does not match");
+    const std::size_t shown =
+        std::min(2 * queued, pdu_.size() - std::min<std::size_t>(5, pdu_.size()));
+    data(5, shown, false);
+    trailing(5 + shown);
   }
 
   // Read Device Identification, V1.1b3, 6.21.

@@ -67,13 +67,14 @@ class ModbusProtocol final : public Protocol {
   }
 
   // RTU and ASCII: a response shows its unit, function and length; that of a write also the values,
-  // except in a refusal; that of an identification its object.
+  // except in a refusal; that of an identification its object; that of a queue nothing.
   bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
                   ExchangeContext later_context) const override {
     if (traits_.identity == ResponseIdentity::kSequence)
       return Protocol::mistakable(earlier, earlier_context, later, later_context);
     const RequestPdu first(earlier, options_), second(later, options_);
     if (first.function() != second.function()) return false;
+    if (first.is_fifo()) return true;
     if (first.varies()) return std::ranges::equal(first.pdu(), second.pdu());
     return !std::holds_alternative<ReadRequest>(earlier) ||
            first.response_size() == second.response_size();
@@ -84,7 +85,7 @@ class ModbusProtocol final : public Protocol {
   const Framing& framing_;
   const std::uint8_t unit_;
   const Options options_;
-  const std::array<Area, 6> areas_;
+  const std::array<Area, 7> areas_;
 };
 
 constexpr std::array<std::string_view, 3> kOptionNames{"write-single", "mask-write", "read-write"};
@@ -138,7 +139,11 @@ constexpr std::string_view kAddresses[] = {"coil:3",
                                            "file:65535:9999.15",
                                            "id:0",
                                            "id:0x80",
-                                           "id:255"};
+                                           "id:255",
+                                           "fifo:1246",
+                                           "fifo:0x4DE:1",
+                                           "fifo:65535:31",
+                                           "fifo:0:0x2.15"};
 constexpr std::string_view kOptionsText =
     "`mask-write: true` (function 22 for one bit or byte of a register), `read-write: true` "
     "(function 23 for a write that is verified), `write-single: multiple` (functions 15, 16 for "

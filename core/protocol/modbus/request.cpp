@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint8_t kReadFifo = 24, kIdentity = 43;
 constexpr std::uint8_t kMeiType = 0x0E;     // of function 43, for the identification
 constexpr std::size_t kObjectsAt = 7;       // its header in a response
+constexpr std::size_t kQueueAt = 5;         // the first register in a response of function 24
 constexpr std::size_t kMaxFileBytes = 245;  // byte count of function 20 (V1.1b3, 6.14)
 constexpr std::uint8_t kReferenceType = 6;  // of each group of functions 20 and 21
 constexpr PduSize kNone{}, kOne{1}, kFive{5}, kSeven{7}, kByteCounted{0, 1};
@@ -37,7 +38,7 @@ constexpr auto kFunctions = [] {
   rows[21] = {"write file record", kByteCounted, kByteCounted, "file"};
   rows[22] = {"mask write register", kSeven, kSeven};
   rows[23] = {"read/write multiple registers", {0, 9}, kByteCounted};
-  rows[kReadFifo] = {"read fifo queue", {3}, kNone};  // its response counts in two bytes
+  rows[kReadFifo] = {"read fifo queue", {3}, kNone, "fifo"};  // its response counts in two bytes
   rows[kIdentity] = {"encapsulated interface transport", {4}, kNone};  // see identity_size
   return rows;
 }();
@@ -126,6 +127,7 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
 Function function_of(const Range& read) {
   if (table_of(read) == Table::kFile) return Function::kReadFile;
   if (table_of(read) == Table::kIdentity) return Function::kIdentification;
+  if (table_of(read) == Table::kFifo) return Function::kReadFifo;
   return static_cast<Function>(read.area + 1);
 }
 
@@ -193,6 +195,7 @@ std::optional<PduSizes> sizes_of(const ReadRequest& read) {
     file_bytes += 2 + packed_size(range);
   }
   if (table == Table::kIdentity) return PduSizes{4, kMaxPdu};
+  if (table == Table::kFifo) return PduSizes{3, kQueueAt + 2 * kMaxQueued};
   if (table != Table::kFile) return PduSizes{5, 2 + packed_size(read.ranges.front())};
   const std::size_t groups = kGroupBytes * read.ranges.size();
   if (groups > kMaxFileBytes || file_bytes > kMaxFileBytes) return std::nullopt;
@@ -266,6 +269,8 @@ void RequestPdu::append_read(const ReadRequest& read) {
   if (function == Function::kIdentification)
     return append_identity(pdu_, IdentityCode::kIndividual, read_.first / kObjectCharacters);
   pdu_.push_back(static_cast<std::uint8_t>(function));
+  if (function == Function::kReadFifo)
+    return append_u16(pdu_, static_cast<std::uint16_t>(read_.first / kQueueItems));
   if (function != Function::kReadFile) return append_range(pdu_, read_);
   pdu_.push_back(static_cast<std::uint8_t>(kGroupBytes * read.ranges.size()));
   for (const Range& range : read.ranges) append_group(pdu_, range);
@@ -294,13 +299,27 @@ bool RequestPdu::fits_objects(ByteView response) const {
   return basic || (response[kObjectsAt - 1] == 1 && response[kObjectsAt] == pdu_[3]);
 }
 
+namespace {
+
+// The byte count includes the two bytes of the other count (V1.1b3, 6.18).
+bool fits_queue(ByteView response) {
+  if (response.size() < kQueueAt || response.size() != response_pdu_size(response)) return false;
+  const std::size_t queued = read_u16(response, 3);
+  return queued <= kMaxQueued && response.size() == kQueueAt + 2 * queued;
+}
+
+}  // namespace
+
 Verdict RequestPdu::judge(ByteView response) const {
   if (response.empty()) return Verdict::kMismatch;
   if (response[0] == (function() | kExceptionFlag)) {
     return response.size() == 2 && response[1] != 0 ? Verdict::kException : Verdict::kMismatch;
   }
   if (response[0] != function()) return Verdict::kForeign;
-  if (varies()) return fits_objects(response) ? Verdict::kResponse : Verdict::kMismatch;
+  if (varies()) {
+    const bool fits = is_fifo() ? fits_queue(response) : fits_objects(response);
+    return fits ? Verdict::kResponse : Verdict::kMismatch;
+  }
   if (response.size() != response_size_) return Verdict::kMismatch;
   const bool right = is(Function::kReadFile) ? fits_groups(response)
                      : read_.count != 0
@@ -312,6 +331,7 @@ Verdict RequestPdu::judge(ByteView response) const {
 Reply RequestPdu::unpack(ByteView response) const {
   if (is(Function::kReadFile)) return unpack_groups(response);
   if (is(Function::kIdentification)) return unpack_objects(response);
+  if (is_fifo()) return unpack_queue(response);
   Reply reply(is(Function::kReadWrite) ? 2 : 1);
   if (read_.count == 0) return reply;
   const ByteView data = response.subspan(2);
@@ -346,6 +366,22 @@ Reply RequestPdu::unpack_objects(ByteView response) const {
   items.resize(kObjectCharacters);
   const auto from = items.begin() + read_.first % kObjectCharacters;
   items = Bytes(from, from + read_.count);
+  return reply;
+}
+
+// The registers behind the end of the queue are absent.
+Reply RequestPdu::unpack_queue(ByteView response) const {
+  const std::uint32_t at = read_.first % kQueueItems;
+  Bytes queue(response.begin() + 3, response.end());
+  const auto present = static_cast<std::uint32_t>(queue.size() / 2);
+  queue.resize(2 * std::size_t{kQueueItems});
+  const auto from = queue.begin() + 2 * at;
+  Reply reply(1);
+  reply[0].items.assign(from, from + 2 * read_.count);
+  if (at + read_.count > present) {
+    const std::uint32_t there = std::max(present, at) - at;
+    reply[0].absent = {{read_.area, read_.first + there, read_.count - there}};
+  }
   return reply;
 }
 

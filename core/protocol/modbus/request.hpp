@@ -25,6 +25,7 @@ enum class Function : std::uint8_t {
   kWriteFile = 21,
   kMaskWrite = 22,
   kReadWrite = 23,
+  kReadFifo = 24,
   kIdentification = 43,
 };
 
@@ -88,6 +89,8 @@ inline constexpr std::array kExceptions{
 //     16        address(2) and-mask(2) or-mask(2)                    the request
 //     17        first(2) quantity(2) first(2) quantity(2) count(1)
 //               registers..                                          count(1) registers..
+//     18        pointer(2)                                           count(2) queued(2)
+//                                                                    registers..
 //     2B        0E code(1) object(1)                                 0E code(1) conformity(1)
 //                                                                    more(1) next(1) objects(1)
 //                                                                    [object(1) count(1) text..]..
@@ -104,7 +107,7 @@ struct Options {
 
 struct PduSizes {
   std::size_t request = 0;
-  std::size_t response = 0;  // of the longest response, if texts differ in length
+  std::size_t response = 0;  // of the longest response, if they differ in length
 };
 
 // Read Device ID code of function 43/14: three objects in one response, or the requested one.
@@ -133,7 +136,8 @@ class RequestPdu {
   [[nodiscard]] std::size_t response_size() const { return response_size_; }
   [[nodiscard]] std::uint8_t function() const { return pdu_[0]; }
   // Whether responses have different lengths.
-  [[nodiscard]] bool varies() const { return is(Function::kIdentification); }
+  [[nodiscard]] bool varies() const { return is(Function::kIdentification) || is_fifo(); }
+  [[nodiscard]] bool is_fifo() const { return is(Function::kReadFifo); }
 
   // REQUIRES: `response` is one whole PDU, checked by its framing.
   [[nodiscard]] Verdict judge(ByteView response) const;
@@ -151,6 +155,7 @@ class RequestPdu {
   [[nodiscard]] bool fits_objects(ByteView response) const;
   [[nodiscard]] Reply unpack_groups(ByteView response) const;
   [[nodiscard]] Reply unpack_objects(ByteView response) const;
+  [[nodiscard]] Reply unpack_queue(ByteView response) const;
 
   Bytes pdu_;
   std::size_t response_size_ = 0;

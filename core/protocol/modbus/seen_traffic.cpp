@@ -196,7 +196,8 @@ bool fields_fit(ByteView pdu) {
     case 4: return within(read_u16(pdu, 3), row_of_function(pdu[0]).most);
     case 5: return pdu[4] == 0 && (pdu[3] == 0 || pdu[3] == 0xFF);
     case 6:
-    case 22: return true;
+    case 22:
+    case 24: return true;
     case 15: return counts_bytes_of_bits(pdu);
     case 16: return counts_bytes_of_registers(pdu, 3, kMaxWriteRegisters);
     case 20:

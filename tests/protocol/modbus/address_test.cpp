@@ -51,6 +51,10 @@ INSTANTIATE_TEST_SUITE_P(Objects, Notation,
                          testing::Values(Case{"id:0", Table::kIdentity, 0},
                                          Case{"id:6", Table::kIdentity, 6 * 244},
                                          Case{"id:0xFF", Table::kIdentity, 255 * 244}));
+INSTANTIATE_TEST_SUITE_P(Queues, Notation,
+                         testing::Values(Case{"fifo:1246", Table::kFifo, 1246 * 32},
+                                         Case{"fifo:0x4DE:1", Table::kFifo, 1246 * 32 + 1},
+                                         Case{"fifo:65535:31.15", Table::kFifo, 2097151, 15}));
 
 struct Fault {
   std::string_view at;
@@ -89,7 +93,10 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"file:4:", "file:4:0"}, Fault{"file::1", "file:1:0"},
         Fault{"file:4:1.16", "file:4:1.0"}, Fault{"file:4:1:2", "file:4:0"},
         Fault{"fil:4:1", "file:4:1"}, Fault{"id:7", "id:0"}, Fault{"id:127", "id:0"},
-        Fault{"id:256", "id:0"}, Fault{"id:", "id:0"}, Fault{"id:0.1", "id:0"}));
+        Fault{"id:256", "id:0"}, Fault{"id:", "id:0"}, Fault{"id:0.1", "id:0"},
+        Fault{"fifo:65536", "fifo:0"}, Fault{"fifo:", "fifo:0"}, Fault{"fifo:1.3", "fifo:0"},
+        Fault{"fifo:7:0", "fifo:7:1"}, Fault{"fifo:7:32", "fifo:7:1"},
+        Fault{"fifo:7:1.16", "fifo:7:1.0"}, Fault{"fif:7:2", "fifo:7:2"}));
 
 TEST(Refused, AHostileTextIsQuotedInPart) {
   const auto parsed = parse_address(std::string(100'000, 'h') + ":1");

@@ -39,6 +39,7 @@ std::optional<Opened> open(const std::string& framing, ByteView frame) {
 std::optional<Meant> request_of(ByteView pdu) {
   if (pdu.size() == 4 && pdu[0] == 43 && pdu[1] == 14 && pdu[2] == 4)
     return Meant{ReadRequest{{{5, pdu[3] * 244u, 244}}}, {}};
+  if (pdu.size() == 3 && pdu[0] == 24) return Meant{ReadRequest{{{6, at16(pdu, 1) * 32, 32}}}, {}};
   if (pdu.size() < 5) return std::nullopt;
   const unsigned function = pdu[0];
   if (function == 20 && pdu[1] % 7 == 0 && pdu.size() == 2u + pdu[1]) {
@@ -105,6 +106,11 @@ Bytes items_of(ByteView answer, const Request& request) {
       Bytes text = copy(answer.subspan(9));
       text.resize(range.count);
       return text;
+    }
+    if (range.area == 6) {
+      Bytes queue = copy(answer.subspan(3));
+      queue.resize(2 * range.count);
+      return queue;
     }
     return range.area < 2 ? bits(answer.subspan(2), range.count) : copy(answer.subspan(2));
   }

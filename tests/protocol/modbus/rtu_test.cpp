@@ -3,6 +3,7 @@
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/modbus/modbus.hpp"
 #include "tests/support/drive.hpp"
 
 namespace fieldcast::modbus {
@@ -209,6 +210,56 @@ TEST(RtuExchange, AnObjectThatWasNotRequestedIsNoValue) {
     const Outcome outcome = drive(exchange, with_crc(other));
     EXPECT_FALSE(outcome.done()) << other;
   }
+}
+
+// Modbus Application Protocol V1.1b3, 6.18.
+const Bytes kQueue = with_crc("11 18 0006 0002 01B8 1284");
+
+TEST(RtuExchange, RegistersBehindTheEndOfAQueueAreAbsent) {
+  const auto read_queue = [](std::uint32_t position, std::uint32_t count) {
+    auto exchange = rtu(17, read(Table::kFifo, 1246 * 32 + position, count));
+    const Outcome outcome = drive(exchange, kQueue);
+    EXPECT_EQ(outcome.sent.front(), with_crc("11 18 04DE"));
+    return outcome.done() ? outcome.reply.at(0) : RangeReply{Cause::kMalformed};
+  };
+  const auto absent = [](std::uint32_t position, std::uint32_t count) {
+    return std::vector<Range>{{static_cast<AreaIndex>(Table::kFifo), 1246 * 32 + position, count}};
+  };
+  EXPECT_EQ(read_queue(0, 3).items, hex("0002 01B8 1284"));
+  EXPECT_TRUE(read_queue(0, 3).absent.empty());
+  EXPECT_EQ(read_queue(2, 1).items, hex("1284"));
+  EXPECT_EQ(read_queue(0, 32).absent, absent(3, 29));
+  EXPECT_EQ(read_queue(2, 2).items, hex("1284 0000"));
+  EXPECT_EQ(read_queue(2, 2).absent, absent(3, 1));
+  EXPECT_EQ(read_queue(31, 1).absent, absent(31, 1));
+}
+
+TEST(RtuExchange, AQueueOfOtherCountsIsNoValue) {
+  std::string long_queue = "1118 0042 0020", longest = "1118 0040 001F";
+  for (int i = 0; i < 32; ++i) long_queue += "0001";
+  for (int i = 0; i < 31; ++i) longest += "0001";
+  const auto is_read = [](std::string_view response) {
+    auto exchange = rtu(17, read(Table::kFifo, 1246 * 32, 1));
+    return drive(exchange, with_crc(response)).done();
+  };
+  EXPECT_TRUE(is_read("1118 0002 0000"));
+  EXPECT_TRUE(is_read(longest));
+  EXPECT_FALSE(is_read(long_queue)) << "32 registers";
+  EXPECT_FALSE(is_read("1118 0006 0001 01B8 1284")) << "a count of one for two";
+  EXPECT_FALSE(is_read("1118 0006 0003 01B8 1284"));
+  EXPECT_FALSE(is_read("1118 0003 0001 01"));
+  EXPECT_FALSE(is_read("1118 0000"));
+}
+
+// No response of function 24 names its queue.
+TEST(RtuExchange, AResponseOfOneQueueCouldBeThatOfAnother) {
+  const auto protocol = *rtu_entry().make({.address = 17});
+  const auto mistakable = [&](const Request& earlier, const Request& later) {
+    return protocol->mistakable(earlier, {1}, later, {2});
+  };
+  const Request first = read(Table::kFifo, 32, 1), second = read(Table::kFifo, 64, 8);
+  EXPECT_TRUE(mistakable(first, second));
+  EXPECT_FALSE(mistakable(first, read(Table::kHolding, 0, 33)));
 }
 
 TEST(RtuExchange, RecordsOfOtherLengthsAreNoValue) {

@@ -33,7 +33,7 @@ std::string fault_in(const std::vector<FrameField>& fields) {
 
 // Functions of the standard that Fieldcast never sends.
 bool is_unused_function(ByteView pdu) {
-  static const std::set<int> used{1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 23, 43};
+  static const std::set<int> used{1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 23, 24, 43};
   if (!pdu.empty() && pdu[0] == 43 && pdu.size() > 2 && pdu[2] != 4)
     return true;  // see AStreamOfObjectsIsRead
   return pdu.empty() || !used.contains(pdu[0] & 0x7F);

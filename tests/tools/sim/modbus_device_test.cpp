@@ -143,6 +143,28 @@ TEST(ModbusUnit, ChecksFileRecordsInTheOrderOfTheStandard) {
   EXPECT_EQ(unit.statistics().writes.at("file:50001"), 1u);
 }
 
+TEST(ModbusUnit, AQueueEndsAtItsCountOrItsLastRegister) {
+  ModbusUnitWithMemory unit(1, {.refused = {{"fifo", 9 * 32 + 2, 9 * 32 + 2, 4}}});
+  const auto queue = [&](std::uint8_t pointer) {
+    return to_hex(unit.execute(Bytes{0x18, 0, pointer}, test::kBegin));
+  };
+  EXPECT_EQ(queue(7), "18 00 02 00 00") << "an empty queue";
+  unit.memory.write(ModbusArea::kFifo, 7 * 32 + 2, 0x1284);
+  EXPECT_EQ(queue(7), "18 00 06 00 02 00 00 12 84");
+  unit.memory.write(ModbusArea::kFifo, 7 * 32, 1);
+  EXPECT_EQ(queue(7), "18 00 04 00 01 00 00");
+  unit.memory.write(ModbusArea::kFifo, 7 * 32, 32);
+  EXPECT_EQ(queue(7), "98 03") << "more than 31 registers";
+  unit.memory.write(ModbusArea::kFifo, 9 * 32, 1);
+  EXPECT_EQ(queue(9), "18 00 04 00 01 00 00");
+  unit.memory.write(ModbusArea::kFifo, 9 * 32, 2);
+  EXPECT_EQ(queue(9), "98 04");
+  EXPECT_EQ(unit.execute(Bytes{0x18, 0}, test::kBegin)[1], 3);
+  const Waveform wave{Shape::kRamp, 40, 40, std::chrono::seconds{10}, 0};
+  ASSERT_TRUE(unit.memory.add_channel(*parse_modbus_address("fifo:5"), {}, wave));
+  EXPECT_EQ(queue(5).substr(0, 14), "18 00 12 00 08") << "a moving count stays below 32";
+}
+
 TEST(ModbusUnit, IdentifiesItselfAsAStreamOrObjectByObject) {
   ModbusUnitWithMemory unit(1);
   const auto text = [&](std::uint8_t code, std::uint8_t object) {

@@ -247,8 +247,8 @@ class ValueCheck {
       for (unsigned i = 0; i < std::min(most, 12u); ++i) {
         const auto area = static_cast<AreaIndex>(random_() % requests_.protocol().areas().size());
         const Area& shape = requests_.protocol().areas()[area];
-        const Slot slot{{area, static_cast<std::uint32_t>(random_() % shape.items), 1},
-                        shape.item_bits};
+        const Slot slot =
+            requests_.slot({area, static_cast<std::uint32_t>(random_() % shape.items), 1});
         const bool twice = std::ranges::find(request.ranges, slot.range) != request.ranges.end();
         request.ranges.push_back(slot.range);
         const Bytes image = Requests::contents(slot, random_);

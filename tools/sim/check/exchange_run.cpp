@@ -144,7 +144,8 @@ bool ended(ExchangeDriver::Outcome outcome) {
 bool RunOutcome::same_as(const RunOutcome& other) const {
   return done == other.done && cause == other.cause && code == other.code &&
          std::ranges::equal(reply, other.reply, [](const RangeReply& a, const RangeReply& b) {
-           return a.cause == b.cause && a.device_code == b.device_code && a.items == b.items;
+           return a.cause == b.cause && a.device_code == b.device_code && a.items == b.items &&
+                  a.absent == b.absent;
          });
 }
 

@@ -109,7 +109,14 @@ std::vector<Slot> Requests::slots(AreaIndex area, std::uint32_t count) const {
 }
 
 Slot Requests::slot(const Range& range) const {
-  Slot slot{range, protocol_->areas()[range.area].item_bits};
+  const Area& area = protocol_->areas()[range.area];
+  Slot slot{range, area.item_bits};
+  if (area.counted) {
+    slot.by_item = true;
+    slot.value_bits = area.item_bits;
+    slot.largest = area.bank - 1;
+    slot.counts = range.first % area.bank == 0 && range.count > 1;
+  }
   if (!subject_.device.declaration || slot.item_bits == 1) return slot;
   for (const declared::Operation& operation : subject_.device.declaration.value->operations) {
     for (const declared::Field& field : operation.response.fields) {
@@ -222,6 +229,7 @@ Bytes Requests::contents(const Slot& slot, std::mt19937& random) {
     for (std::size_t i = at + each; i-- > at; number >>= 8)
       image[i] = static_cast<std::uint8_t>(number);
   }
+  if (slot.counts) image[each - 1] = static_cast<std::uint8_t>(slot.range.count - 1);
   return image;
 }
 

@@ -19,6 +19,7 @@ struct Slot {
   bool is_signed = false;
   std::uint64_t largest = UINT64_MAX;
   bool by_item = false;  // these limits apply to each item
+  bool counts = false;   // the first item counts the others
   std::uint16_t text_bytes = 0;
   std::uint8_t end_of_text = 0;
   // Of a scaled value: the exponents that are tried, and whether it can be negative. `largest` is

@@ -75,6 +75,7 @@ Length response_length(ByteView frame) {
     case 0x10: return exactly(8);
     case 0x07: return exactly(5);
     case 0x16: return exactly(10);
+    case 0x18: return frame.size() < 4 ? kNotYet : exactly(6u + read_u16(frame, 2));
     case 0x2B: return identification_length(frame);
     default: return kUnknowable;
   }

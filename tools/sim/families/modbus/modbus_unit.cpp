@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint32_t kItems = 65536;      // of coils, inputs and registers
 constexpr std::uint32_t kRecords = 10000;    // of each file
 constexpr std::uint32_t kObjectBytes = 244;  // of each object of the identification
+constexpr std::uint32_t kQueueItems = 32;    // a count and at most 31 registers
 
 bool is_bits(std::size_t area) { return area == ModbusArea::kCoil || area == ModbusArea::kInput; }
 
@@ -22,12 +23,24 @@ std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) 
   return static_cast<std::uint32_t>(*value);
 }
 
+// "1246", "1246:1"
+std::optional<std::uint32_t> queue_item(std::string_view text) {
+  const auto colon = text.find(':');
+  const auto pointer = number(text.substr(0, colon), kItems - 1);
+  if (!pointer || colon == std::string_view::npos)
+    return pointer ? std::optional(*pointer * kQueueItems) : std::nullopt;
+  const auto position = number(text.substr(colon + 1), kQueueItems - 1);
+  if (!position || *position == 0) return std::nullopt;
+  return *pointer * kQueueItems + *position;
+}
+
 // "4:7" of a file, "0" of an object, "107" elsewhere.
 std::optional<std::uint32_t> item_number(std::size_t area, std::string_view text) {
   if (area == ModbusArea::kIdentity) {
     const auto object = number(text, 255);
     return object ? std::optional(*object * kObjectBytes) : std::nullopt;
   }
+  if (area == ModbusArea::kFifo) return queue_item(text);
   if (area != ModbusArea::kFile) return number(text, kItems - 1);
   const auto colon = std::min(text.find(':'), text.size());
   const auto file = number(text.substr(0, colon), 65535);
@@ -52,6 +65,7 @@ std::vector<ItemArea> modbus_areas() {
     areas.push_back({kModbusAreaNames[area], is_bits(area) ? 1u : 16u, kItems, is_bits(area)});
   areas.push_back({kModbusAreaNames[ModbusArea::kFile], 16, 65536 * kRecords});
   areas.push_back({kModbusAreaNames[ModbusArea::kIdentity], 8, 256 * kObjectBytes});
+  areas.push_back({kModbusAreaNames[ModbusArea::kFifo], 16, kItems * kQueueItems});
   return areas;
 }
 
@@ -127,6 +141,7 @@ Bytes ModbusUnit::dispatch(ByteView pdu, Instant now) {
     case 0x15: return write_file(pdu);
     case 0x16: return mask_write(pdu, now);
     case 0x17: return write_read(pdu, now);
+    case 0x18: return read_fifo(pdu, now);
     case 0x2B: return identification(pdu, now);
     default: return exception(pdu, kFunction);
   }
@@ -262,6 +277,30 @@ Bytes ModbusUnit::write_file(ByteView pdu) {
   }
   for (const auto& [items, data] : groups) store(items, data);
   return {pdu.begin(), pdu.end()};
+}
+
+// 18 pointer(2) -> bytes(2) count(2) registers..; more than 31 are refused (V1.1b3, 6.18). Without a
+// count in the memory, the last register that it holds ends the queue. A waveform stays below 32.
+Bytes ModbusUnit::read_fifo(ByteView pdu, Instant now) {
+  if (pdu.size() != 3) return exception(pdu, kValue);
+  const std::uint32_t first = read_u16(pdu, 1) * kQueueItems;
+  std::uint32_t count = 0;
+  if (memory_.holds(ModbusArea::kFifo, first)) {
+    count = static_cast<std::uint16_t>(memory_.read(ModbusArea::kFifo, first, now));
+    if (memory_.configured(ModbusArea::kFifo, first)) count %= kQueueItems;
+  } else {
+    for (std::uint32_t at = 1; at < kQueueItems; ++at)
+      if (memory_.holds(ModbusArea::kFifo, first + at)) count = at;
+  }
+  if (count >= kQueueItems) return exception(pdu, kValue);
+  const Items queue{ModbusArea::kFifo, first, count + 1};
+  const auto code = memory_.refusal(queue.area, first, queue.count, 0);
+  if (code != 0) return exception(pdu, code);
+  Bytes response{pdu[0]};
+  append_u16(response, static_cast<std::uint16_t>(2 + 2 * count));
+  append_u16(response, static_cast<std::uint16_t>(count));
+  for (std::uint32_t i = 1; i <= count; ++i) append_u16(response, value(queue, i, now));
+  return response;
 }
 
 void ModbusUnit::identify_as(const std::vector<std::string>& objects, std::uint8_t conformity) {

@@ -13,13 +13,14 @@ namespace fieldcast::sim {
 inline constexpr std::size_t kMaxPdu = 253;  // V1.1b3, 4.1
 
 struct ModbusArea {
-  enum : std::size_t { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity };
+  enum : std::size_t { kCoil, kInput, kHolding, kInputRegister, kFile, kIdentity, kFifo };
 };
-inline constexpr std::array<std::string_view, 6> kModbusAreaNames{
-    "coil", "input", "holding", "input-register", "file", "id"};
+inline constexpr std::array<std::string_view, 7> kModbusAreaNames{
+    "coil", "input", "holding", "input-register", "file", "id", "fifo"};
 [[nodiscard]] std::vector<ItemArea> modbus_areas();
 
-// "holding:107", "holding:107.3", "40108", "file:4:7", "id:0"; independent of the bridge's parser.
+// "holding:107", "holding:107.3", "40108", "file:4:7", "id:0", "fifo:1246", "fifo:1246:1";
+// independent of the bridge's parser.
 [[nodiscard]] std::optional<ItemAddress> parse_modbus_address(std::string_view at);
 
 class ModbusUnit {
@@ -55,6 +56,7 @@ class ModbusUnit {
   [[nodiscard]] Bytes diagnostics(ByteView pdu);
   [[nodiscard]] Bytes read_file(ByteView pdu, Instant now);
   [[nodiscard]] Bytes write_file(ByteView pdu);
+  [[nodiscard]] Bytes read_fifo(ByteView pdu, Instant now);
   [[nodiscard]] Bytes identification(ByteView pdu, Instant now);
   [[nodiscard]] std::optional<std::string> object(unsigned id, Instant now) const;
 
