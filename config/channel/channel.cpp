@@ -53,11 +53,12 @@ void read_type(MapReader& map, Draft& draft) {
   draft.typed = map.read("type", type, TypeRule{});
   encoding.type = type.type;
   encoding.string_bytes = type.string_bytes;
-  encoding.counted = draft.address && draft.address->counted_text;
+  if (draft.address) encoding.layout = draft.address->text_layout;
   if (!map.has("type") && draft.address) {
     const auto fixed = fixed_type(*draft.address, *draft.area);
-    if (fixed && fixed->type == ValueType::kBool)
-      encoding.type = ValueType::kBool, draft.typed = true;
+    draft.typed = fixed && (fixed->type == ValueType::kBool || is_date_time(encoding.layout));
+    if (draft.typed)
+      encoding.type = fixed->type, encoding.string_bytes = fixed->string_bytes;
     else
       map.faults().add(map.position(), "'type' is missing in a channel", allowed_types(),
                        fixed ? "type: " + fieldcast::to_text(*fixed) : std::string());

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "core/codec/date_time.hpp"
 #include "core/codec/raw_items.hpp"
 #include "core/codec/value_codec.hpp"
 
@@ -116,6 +117,7 @@ tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_
   if (encoding.type == ValueType::kBool) return decode_bool(encoding, item_bits, items);
   if (encoding.type == ValueType::kString) {
     const Bytes text = string_bytes_of(encoding, item_bits, items);
+    if (is_date_time(encoding.layout)) return read_date_time(encoding.layout, text);
     const std::string bytes(text.begin(), std::ranges::find(text, std::uint8_t{0}));
     return Value{codec.to_utf8(encoding.charset, bytes)};
   }

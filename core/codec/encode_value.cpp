@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "core/codec/date_time.hpp"
 #include "core/codec/raw_items.hpp"
 #include "core/codec/value_codec.hpp"
 
@@ -136,10 +137,15 @@ tl::expected<Bytes, Cause> encode_string(const Encoding& encoding, unsigned item
                                          const Value& value, TextCodec& codec) {
   const auto* given = std::get_if<std::string>(&value);
   if (given == nullptr) return tl::unexpected(Cause::kWrongType);
+  if (is_date_time(encoding.layout)) {
+    return write_date_time(encoding.layout, *given).map([&](const Bytes& bytes) {
+      return items_of_string(encoding, item_bits, bytes);
+    });
+  }
   const auto text = codec.from_utf8(encoding.charset, *given);
   if (!text || text->size() > encoding.string_bytes) return tl::unexpected(Cause::kRange);
   Bytes bytes;
-  if (encoding.counted)
+  if (encoding.layout == TextLayout::kCounted)
     bytes = {static_cast<std::uint8_t>(encoding.string_bytes),
              static_cast<std::uint8_t>(text->size())};
   bytes.insert(bytes.end(), text->begin(), text->end());

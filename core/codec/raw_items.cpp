@@ -96,11 +96,11 @@ Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView ite
   }
   swap_pairs(encoding, text);
   if (text.size() < width_bits(encoding) / 8) std::abort();  // see REQUIRES of decode_value()
-  if (encoding.counted) {
+  if (encoding.layout == TextLayout::kCounted) {
     const std::size_t length = std::min<std::size_t>(text[1], encoding.string_bytes);
     return {text.begin() + 2, text.begin() + 2 + static_cast<std::ptrdiff_t>(length)};
   }
-  text.resize(encoding.string_bytes);
+  text.resize(width_bits(encoding) / 8);
   return text;
 }
 

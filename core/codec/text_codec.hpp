@@ -29,6 +29,21 @@ class TextCodec {
 // Supports only the ASCII characters of GBK and Shift-JIS. Any thread.
 [[nodiscard]] TextCodec& plain_text_codec();
 
+// How a device stores a text.
+enum class TextLayout : std::uint8_t {
+  kPlain,
+  kCounted,      // its maximum and its actual length, a byte each, and the text: S7 STRING
+  kDtl,          // S7 DTL, see date_time.hpp
+  kDateAndTime,  // S7 DATE_AND_TIME
+};
+[[nodiscard]] constexpr bool is_date_time(TextLayout layout) {
+  return layout == TextLayout::kDtl || layout == TextLayout::kDateAndTime;
+}
+// Characters of a date with a time: nine digits of a second, or three. REQUIRES: is_date_time().
+[[nodiscard]] constexpr std::uint16_t date_time_characters(TextLayout layout) {
+  return layout == TextLayout::kDtl ? 29 : 23;
+}
+
 // Numbers that a device writes as text: "+025.00", "  25,0", "1.5e-3", "00FF". Pure functions.
 
 // The format applies to writing; a read text may always have a sign, blanks and an exponent.

@@ -57,8 +57,7 @@ struct Encoding {
   ValueType type = ValueType::kUint16;
   // For kString: n of string(n), 1..kMaxStringBytes; for a number as text: its characters.
   std::uint16_t string_bytes = 0;
-  // Of kString: two bytes before the text are its maximum and its actual length (S7 STRING).
-  bool counted = false;
+  TextLayout layout = TextLayout::kPlain;  // of kString
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
   // Lowest bit in a wider item (8-bit types: a multiple of 8); 0 is the least significant.
@@ -85,8 +84,8 @@ struct Encoding {
 // Parses what to_text() returns.
 [[nodiscard]] std::optional<Encoding> encoding_from(std::string_view text);
 
-// 16 for int16, 8 * n for string(n) and for a number as text of n characters, 16 more for a counted
-// string, 1 for bool.
+// 16 for int16, 1 for bool, 8 * n for string(n) and for a number as text of n characters, 16 more
+// for a counted string, 96 for a DTL.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);
 
 // The largest decimal exponent of a value, and the negative of the smallest one.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/codec/date_time.hpp"
 #include "core/codec/raw_items.hpp"
 #include "core/codec/value_codec.hpp"
 
@@ -160,8 +161,9 @@ bool is_part(const Encoding& encoding, unsigned item_bits) {
 }
 
 unsigned width_bits(const Encoding& encoding) {
-  if (encoding.is_text()) return (encoding.string_bytes + (encoding.counted ? 2u : 0u)) * 8u;
-  return kTypes[static_cast<std::size_t>(encoding.type)].width;
+  if (!encoding.is_text()) return kTypes[static_cast<std::size_t>(encoding.type)].width;
+  if (is_date_time(encoding.layout)) return date_time_bytes(encoding.layout) * 8u;
+  return (encoding.string_bytes + (encoding.layout == TextLayout::kCounted ? 2u : 0u)) * 8u;
 }
 
 std::uint32_t value_items(const Encoding& encoding, unsigned item_bits) {

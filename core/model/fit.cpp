@@ -74,6 +74,12 @@ std::optional<FitFault> check_text(std::string_view at, const ParsedAddress& add
   const std::string there = std::to_string(address.text_characters);
   const std::string where = in_quotes(at) + ", which is a text of " + there + " characters";
   const std::string string = "string(" + there + ")";
+  if (is_date_time(address.text_layout)) {
+    if (to_text(encoding) == string) return std::nullopt;
+    return FitFault{About::kType,
+                    "type " + to_text(encoding) + " at " + in_quotes(at) + ", which is a date",
+                    string, string};
+  }
   if (!encoding.is_text()) {
     const bool number = encoding.type != ValueType::kBool && !is_bcd(encoding.type);
     return FitFault{About::kType,
@@ -104,7 +110,7 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   const std::string type(to_text(encoding.type));
   const bool is_bool = encoding.type == ValueType::kBool;
   if (address.text_characters != 0) return check_text(at, address, encoding);
-  if (address.counted_text && encoding.type != ValueType::kString)
+  if (address.text_layout == TextLayout::kCounted && encoding.type != ValueType::kString)
     return FitFault{About::kType,
                     "type " + type + " at " + in_quotes(at) + ", which is a string",
                     "string(1) to string(" + std::to_string(kMaxStringBytes) + ")",
@@ -142,7 +148,7 @@ Encoding with_form_of(const ParsedAddress& address, Encoding encoding) {
     encoding.text_number = address.text_number;
     encoding.string_bytes = address.text_characters;
   }
-  encoding.counted = address.counted_text;
+  encoding.layout = address.text_layout;
   return encoding;
 }
 
@@ -157,7 +163,7 @@ std::optional<Encoding> fixed_type(const ParsedAddress& address, const Area& are
 
 std::optional<Encoding> implied_type(const ParsedAddress& address, const Area& area) {
   if (auto fixed = fixed_type(address, area)) return fixed;
-  if (address.counted_text) return std::nullopt;
+  if (address.text_layout == TextLayout::kCounted) return std::nullopt;
   if (address.text_number) {
     const bool hex = address.text_number.kind == TextNumber::Kind::kHex;
     return Encoding{hex ? ValueType::kUint64 : ValueType::kFloat64};

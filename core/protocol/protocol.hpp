@@ -200,7 +200,7 @@ struct ParsedAddress {
   bool value_signed = false;          // with value_bits: the sign fills the rest of the items
   std::uint16_t text_characters = 0;  // length of a text: strings, and numbers as text
   TextNumber text_number = {};        // format of a number written as text
-  bool counted_text = false;          // a string with its lengths, see Encoding::counted
+  TextLayout text_layout = TextLayout::kPlain;
 };
 struct AddressFault {
   std::string what;  // "area 'holdin' is unknown"

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"
@@ -62,6 +63,27 @@ TEST(NumberOnText, AnyOtherTypeOnATextIsAFault) {
   EXPECT_EQ(gauge_faults("at: level, type: float32, text: decimal(5)"),
             "plant.yaml:4:44: a number of 5 characters at 'level', which is a text of 7 "
             "characters; allowed: 7 characters\n");
+}
+
+TEST(DateAndTime, IsTheTypeOfItsAddress) {
+  const auto cpu = [](const std::string& channel) {
+    return load_text(
+        "bridge: b\nbuses:\n  - { name: bus, port: { tcp: \"127.0.0.1:102\" }, protocol: s7-tcp, "
+        "devices: [ { name: d, address: 1, channels: [\n{ name: c, " +
+            channel + " } ] } ] }\n",
+        "plant.yaml", texts({}));
+  };
+  for (const std::string type : {"", ", type: string(29)"}) {
+    const Loaded loaded = cpu("at: DB1.DTL4, access: read-write" + type);
+    EXPECT_EQ(
+        encoding_of(loaded),
+        (Encoding{.type = ValueType::kString, .string_bytes = 29, .layout = TextLayout::kDtl}));
+    EXPECT_EQ(loaded->buses[0].devices[0].channels[0].range.count, 12u);
+  }
+  EXPECT_EQ(encoding_of(cpu("at: DB1.DT4")).layout, TextLayout::kDateAndTime);
+  for (const std::string type : {"string(28)", "string(30)", "uint64", "float64, text: decimal"})
+    EXPECT_THAT(faults_of(cpu("at: DB1.DTL4, type: " + type)),
+                testing::HasSubstr("at 'DB1.DTL4', which is a date; allowed: string(29)"));
 }
 
 TEST(NumberOnText, IsInTheRegistersOfAnyProtocol) {

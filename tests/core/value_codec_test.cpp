@@ -73,10 +73,12 @@ INSTANTIATE_TEST_SUITE_P(
              Value{std::string("ABCDE")}},
         Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .byte_order = kSwapped}, 16,
              "4241 0043", Value{std::string("ABC")}},
-        Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .counted = true}, 8,
-             "04 03 41 42 43 00", Value{std::string("ABC")}},
-        Pair{Encoding{.type = ValueType::kString, .string_bytes = 2, .counted = true}, 8,
-             "02 00 00 00", Value{std::string()}}));
+        Pair{
+            Encoding{.type = ValueType::kString, .string_bytes = 4, .layout = TextLayout::kCounted},
+            8, "04 03 41 42 43 00", Value{std::string("ABC")}},
+        Pair{
+            Encoding{.type = ValueType::kString, .string_bytes = 2, .layout = TextLayout::kCounted},
+            8, "02 00 00 00", Value{std::string()}}));
 
 INSTANTIATE_TEST_SUITE_P(
     BitsBytesAndWiderItems, BothWays,
@@ -143,7 +145,8 @@ TEST(ValueCodec, WhatAByteCannotHoldIsARangeFault) {
 // A CPU does not change the characters after the actual length; an actual length beyond the maximum
 // shows that the PLC's string is longer than the type.
 TEST(ValueCodec, ACountedStringHasItsActualLength) {
-  const Encoding counted{.type = ValueType::kString, .string_bytes = 3, .counted = true};
+  const Encoding counted{
+      .type = ValueType::kString, .string_bytes = 3, .layout = TextLayout::kCounted};
   EXPECT_EQ(decode_value(counted, 8, hex("0301415A5A")), Value{std::string("A")});
   EXPECT_EQ(decode_value(counted, 8, hex("FEFE414243")), Value{std::string("ABC")});
 }

@@ -19,6 +19,7 @@ tl::unexpected<CommandFault> never_written(const std::string& at) {
 
 std::string type_text(const Encoding& encoding) {
   const std::string type(to_text(encoding.type));
+  if (is_date_time(encoding.layout)) return "a date and time like 2026-11-28T10:15:00.000";
   if (encoding.type == ValueType::kString)
     return type + '(' + std::to_string(encoding.string_bytes) + ')';
   if (!encoding.text_number) return type;

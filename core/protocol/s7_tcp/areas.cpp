@@ -10,9 +10,9 @@ namespace fieldcast::s7_tcp {
 namespace {
 
 constexpr AddressFaults address_fault{
-    "DB10.DBB20, DB10.DBW20, DB10.DBD20, DB10.DBL20, DB10.DBS20 (a STRING), DB10.DBX20.3; MB4, "
-    "MW4, "
-    "MD4, ML4, M4.3 and likewise I, Q, PI; T5, C5"};
+    "DB10.DBB20, DB10.DBW20, DB10.DBD20, DB10.DBL20, DB10.DBS20 (a STRING), DB10.DTL20, "
+    "DB10.DT20 (a DATE_AND_TIME), DB10.DBX20.3; MB4, MW4, MD4, ML4, M4.3 and likewise I, Q, PI; "
+    "T5, C5"};
 
 // B, W, D and L as in IEC 61131-3, 6.5.5.
 std::optional<unsigned> width_of(std::string_view letter) {
@@ -24,14 +24,16 @@ std::optional<unsigned> width_of(std::string_view letter) {
 struct Named {
   AreaIndex area = 0;
   unsigned width = 0;  // bits; 0: a bit or a number follows
-  bool string = false;
+  TextLayout text = TextLayout::kPlain;
 };
 
 std::optional<Named> named(std::span<const Area> areas, bool in_block, std::string_view letters) {
   if (in_block) {
-    if (!letters.starts_with("DB")) return std::nullopt;
     if (letters == "DBX") return Named{kDB};
-    if (letters == "DBS") return Named{kDB, 0, true};
+    if (letters == "DBS") return Named{kDB, 0, TextLayout::kCounted};
+    if (letters == "DTL") return Named{kDB, 0, TextLayout::kDtl};
+    if (letters == "DT") return Named{kDB, 0, TextLayout::kDateAndTime};
+    if (!letters.starts_with("DB")) return std::nullopt;
     const auto width = width_of(letters.substr(2));
     return width ? std::optional(Named{kDB, *width}) : std::nullopt;
   }
@@ -52,7 +54,8 @@ std::string suggestion(std::string_view at) {
   std::ranges::replace(upper, ',', '.');
   if (upper.starts_with("DB")) {
     const std::size_t dot = upper.find('.');
-    if (dot != std::string::npos && upper.compare(dot + 1, 2, "DB") != 0)
+    if (dot != std::string::npos && upper.compare(dot + 1, 2, "DB") != 0 &&
+        upper.compare(dot + 1, 2, "DT") != 0)
       upper.insert(dot + 1, "DB");
     return upper;
   }
@@ -95,8 +98,10 @@ ParsedOrFault parse_address(std::span<const Area> areas, std::string_view at) {
   ParsedAddress address{.area = name->area, .first = first + *number};
   const bool counted = kCodes[name->area].counted;
   const std::string_view bit = rest.substr(std::min(dot + 1, rest.size()));
-  address.counted_text = name->string;
-  if (dot == rest.size() && name->string) return address;
+  address.text_layout = name->text;
+  const bool text = name->text != TextLayout::kPlain;
+  if (is_date_time(name->text)) address.text_characters = date_time_characters(name->text);
+  if (dot == rest.size() && text) return address;
   if (dot == rest.size()) {
     if (name->width == 0 && !counted)
       return address_fault(in_quotes(at) + " says neither a bit nor a width",
@@ -104,7 +109,7 @@ ParsedOrFault parse_address(std::span<const Area> areas, std::string_view at) {
     if (!counted) address.width_bits = name->width;
     return address;
   }
-  if (name->width != 0 || counted || name->string)
+  if (name->width != 0 || counted || text)
     return address_fault(in_quotes(at) + " has no bits",
                          std::string(at.substr(0, at.size() - bit.size() - 1)));
   if (!set_bit(address, whole_number(bit), 8))

@@ -228,11 +228,15 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<S7TcpProtocol>(s7, areas_of(s7.pdu), kCodes, parse_address);
 }
 
-constexpr std::string_view kAddresses[] = {
-    "DB1.DBB0", "DB1.DBW2", "DB1.DBD4", "DB1.DBL8", "DB1.DBX16.3", "DB1.DBS20", "DB300.DBW65534",
-    "MB1",      "MW2",      "MD4",      "ML8",      "M9.7",        "IB0",       "IW2",
-    "ID4",      "I9.3",     "QB0",      "QW2",      "QD4",         "Q9.0",      "PIB0",
-    "PIW752",   "T5",       "C5"};
+constexpr std::string_view kAddresses[] = {"DB1.DBB0",  "DB1.DBW2",    "DB1.DBD4",
+                                           "DB1.DBL8",  "DB1.DBX16.3", "DB1.DBS20",
+                                           "DB1.DTL32", "DB1.DT44",    "DB300.DBW65534",
+                                           "MB1",       "MW2",         "MD4",
+                                           "ML8",       "M9.7",        "IB0",
+                                           "IW2",       "ID4",         "I9.3",
+                                           "QB0",       "QW2",         "QD4",
+                                           "Q9.0",      "PIB0",        "PIW752",
+                                           "T5",        "C5"};
 constexpr ProtocolOption kLongPdu[] = {{"pdu", "960"}, {"rack", "1"}, {"connection", "pg"}};
 constexpr ProtocolOption kS7200[] = {{"cpu", "s7-200"}, {"tsap", "10.00"}, {"local-tsap", "10.00"}};
 constexpr ProtocolAlias kAliases[] = {{"s7"},     {"s7comm"},  {"s7-300"},

@@ -98,6 +98,19 @@ TEST_F(S7Tcp, ReadsStayWithinADataBlockAndThePdu) {
   EXPECT_FALSE(cpu_.protocol().size(cpu_.read("DB1.DBB65535", 2)).has_value());
 }
 
+TEST_F(S7Tcp, ADateAndTimeIsATextOfItsBytes) {
+  session_ = {1, 1};
+  const Outcome outcome = read({bytes("0300002502F0803203000000010002001000000401FF040060"
+                                      "07EA0B1C070A0F0000000000")},
+                               "DB1.DTL4", 12);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(outcome.sent[0],
+            bytes("0300001F02F080320100000001000E00000401120A1002000C000184000020"));
+  const auto old = cpu_.protocol().parse_address("DB1.DT4");
+  EXPECT_EQ(old->text_layout, TextLayout::kDateAndTime);
+  EXPECT_EQ(old->text_characters, 23);
+}
+
 TEST_F(S7Tcp, TheTsapIsThatOfTheOption) {
   const Device logo("s7-tcp", 0, {{"cpu", "s7-200"}, {"tsap", "20.00"}, {"local-tsap", "10.00"}});
   const auto exchange = logo.protocol().begin(logo.read("VW4", 2), {1, &session_});

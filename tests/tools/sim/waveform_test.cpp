@@ -61,6 +61,19 @@ TEST(Waveform, TextsReadBack) {
   EXPECT_EQ(std::get<std::string>(*value), "LOT-00042");
 }
 
+TEST(Waveform, DatesReadBackAndHaveTheirWeekday) {
+  const Waveform wave{Shape::kConstant, 90061, 90061, std::chrono::seconds{10}, 0};
+  for (const auto& [layout, text] :
+       {std::pair{TextLayout::kDtl, "2026-01-02T01:01:01.000000000"},
+        std::pair{TextLayout::kDateAndTime, "2026-01-02T01:01:01.000"}}) {
+    const Encoding date{
+        .type = ValueType::kString, .string_bytes = date_time_characters(layout), .layout = layout};
+    const Bytes items = image(waveform_items(wave, date, Duration{}));
+    EXPECT_EQ(decode_value(date, 8, items), Value{std::string(text)});
+    EXPECT_EQ(encode_value(date, 8, Value{std::string(text)}), items);
+  }
+}
+
 TEST(Waveform, StaysInsideItsChannelsLimits) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     ChannelSpec channel;

@@ -327,10 +327,10 @@ Encoding natural_encoding(const ParsedAddress& address, const Area& area,
     encoding.type = ValueType::kBool;
     return encoding;
   }
-  if (address.counted_text) {
+  encoding.layout = address.text_layout;
+  if (address.text_layout == TextLayout::kCounted) {
     encoding.type = ValueType::kString;
     encoding.string_bytes = 8;
-    encoding.counted = true;
     return encoding;
   }
   if (declaration == nullptr && address.text_characters != 0) {

@@ -80,6 +80,19 @@ std::string spelt_number(double number, const Encoding& encoding) {
   return shown;
 }
 
+// The second `number` of January 2026 in the CPU's own format. The 1st was a Thursday, day 5.
+std::string date_of(TextLayout layout, unsigned number) {
+  const unsigned day = number / 86400, hour = number / 3600 % 24, minute = number / 60 % 60,
+                 second = number % 60, weekday = (4 + day) % 7 + 1;
+  const auto text = [](std::initializer_list<unsigned> bytes) {
+    return std::string(bytes.begin(), bytes.end());
+  };
+  if (layout == TextLayout::kDtl)
+    return text({2026 / 256, 2026 % 256, 1, day + 1, weekday, hour, minute, second, 0, 0, 0, 0});
+  const auto pair = [](unsigned value) { return value / 10 * 16 + value % 10; };
+  return text({0x26, 0x01, pair(day + 1), pair(hour), pair(minute), pair(second), 0, weekday});
+}
+
 std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& encoding,
                                       Duration since_start) {
   char text[32];
@@ -88,7 +101,10 @@ std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& 
   std::string padded(encoding.text_number ? spelt_number(waveform.at(since_start), encoding)
                                           : text);
   padded.resize(encoding.string_bytes);  // truncated or padded with zeros
-  if (encoding.counted)
+  const bool dated =
+      encoding.layout == TextLayout::kDtl || encoding.layout == TextLayout::kDateAndTime;
+  if (dated) padded = date_of(encoding.layout, static_cast<unsigned>(waveform.at(since_start)));
+  if (encoding.layout == TextLayout::kCounted)
     padded.insert(0, {static_cast<char>(encoding.string_bytes),
                       static_cast<char>(std::min(std::strlen(text), padded.size()))});
   if (padded.size() % 2 != 0) padded.push_back('\0');
@@ -202,7 +218,10 @@ Encoding exponent_encoding(const ChannelSpec& channel) {
 }
 
 std::uint32_t waveform_bits(const Encoding& encoding) {
-  if (encoding.is_text()) return 8u * encoding.string_bytes + (encoding.counted ? 16 : 0);
+  if (encoding.layout == TextLayout::kDtl) return 96;
+  if (encoding.layout == TextLayout::kDateAndTime) return 64;
+  if (encoding.is_text())
+    return 8u * encoding.string_bytes + (encoding.layout == TextLayout::kCounted ? 16 : 0);
   switch (encoding.type) {
     case ValueType::kBool: return 1;
     case ValueType::kInt8:

@@ -43,8 +43,9 @@ std::optional<ItemAddress> parse_s7_address(std::span<const S7Area> areas, std::
   const std::string_view text = place->rest;
   const std::size_t digits = std::min(text.find_first_of("0123456789"), text.size());
   const std::size_t dot = std::min(text.find('.'), text.size());
-  const std::string_view letters = text.substr(0, digits);
+  std::string_view letters = text.substr(0, digits);
   if (dot < digits) return std::nullopt;
+  if (place->block != 0 && (letters == "DTL" || letters == "DT")) letters = "DBS";
   const auto number = address_number(text.substr(digits, dot - digits));
   if (!number || *number > 0xFFFFFF) return std::nullopt;
   for (std::size_t index = 0; index < areas.size(); ++index) {
