@@ -1,0 +1,126 @@
+#include "core/telnet/line_client.hpp"
+
+#include "tests/telnet/frames.hpp"
+
+namespace fieldcast::telnet {
+namespace {
+
+class LineClientTest : public testing::Test {
+ protected:
+  // Returns what the client sends.
+  std::string receive(const Bytes& bytes) {
+    Bytes out;
+    client_.on_bytes(bytes, data_, out);
+    return to_hex(out);
+  }
+  // The options agreed, the settings not yet confirmed.
+  std::string agree() { return receive(hex("FF FD 00 FF FB 00 FF FD 03 FF FB 03 FF FD 2C")); }
+  void open() {
+    agree();
+    receive(
+        together({option("65 00 01 C2 00"), option("66 07"), option("67 03"), option("68 02")}));
+    ASSERT_TRUE(client_.open()) << client_.fault();
+  }
+
+  Bytes first_, data_;
+  LineClient client_{{115200, 7, Parity::kEven, 2}, kStart, first_};
+};
+
+TEST_F(LineClientTest, RequestsItsOptionsFirst) {
+  EXPECT_EQ(to_hex(first_),
+            "FF FB 00 FF FB 03 "  // WILL BINARY, WILL SUPPRESS-GO-AHEAD
+            "FF FD 00 FF FD 03 "  // DO the same
+            "FF FB 2C");          // WILL COM-PORT-OPTION
+}
+
+TEST_F(LineClientTest, SetsTheLineWhenTheOptionsAreAgreed) {
+  EXPECT_EQ(receive(hex("FF FD 2C FF FD 00")), "");
+  EXPECT_EQ(receive(hex("FF FB 00")),
+            option("01 00 01 C2 00") + ' ' + option("02 07") + ' ' + option("03 03") + ' ' +
+                option("04 02") + ' ' + option("05 01") + ' ' + option("05 08") + ' ' +
+                option("05 0B") + ' ' +                                            // no flow
+                option("0A 00") + ' ' + option("0B 00") + ' ' + option("0C 03"));  // masks, purge
+  EXPECT_EQ(receive(hex("FF FD 2C")), "");
+}
+
+TEST_F(LineClientTest, IsOpenWhenAllValuesAreInForce) {
+  agree();
+  receive(together({"41", option("67 03"), option("65 0E"), option("66 07")}));  // 0E: 115200
+  EXPECT_FALSE(client_.open());
+  EXPECT_EQ(client_.deadline(), kStart + LineClient::kLimit);
+  receive(together({"42", option("68 02"), "43 FF FF 44"}));
+  EXPECT_TRUE(client_.open());
+  EXPECT_EQ(client_.deadline(), kNever);
+  EXPECT_EQ(data_, (Bytes{0x43, 0xFF, 0x44}));  // without the stale bytes
+}
+
+TEST_F(LineClientTest, AnotherValueIsAFault) {
+  agree();
+  receive(hex(option("65 00 00 25 80")));
+  EXPECT_EQ(client_.fault(), "the server reports baud rate 9600, configured is 115200");
+}
+
+TEST_F(LineClientTest, AnotherParityIsNamed) {
+  agree();
+  receive(hex(option("67 01")));
+  EXPECT_EQ(client_.fault(), "the server reports parity none, configured is even");
+}
+
+TEST_F(LineClientTest, AChangeByOthersIsAFaultAndEndsTheData) {
+  open();
+  receive(together({"41", option("65 00 00 25 80"), "42"}));
+  EXPECT_EQ(client_.fault(), "the server reports baud rate 9600, configured is 115200");
+  EXPECT_EQ(data_, Bytes{0x41});
+}
+
+TEST_F(LineClientTest, ARefusalIsAFault) {
+  receive(hex("FF FE 2C"));
+  EXPECT_EQ(client_.fault(),
+            "the server refuses COM-PORT-OPTION (RFC 2217); use 'tcp' for raw bytes");
+}
+
+TEST_F(LineClientTest, ARefusedBinaryIsAFault) {
+  receive(hex("FF FD 2C FF FC 00"));
+  EXPECT_EQ(client_.fault(), "the server refuses BINARY, so it would change bytes of the line");
+}
+
+TEST_F(LineClientTest, AServerMayEnableTheOptionAtItsEnd) {
+  EXPECT_EQ(receive(hex("FF FB 2C")), "FF FD 2C");  // WILL, DO
+  EXPECT_NE(receive(hex("FF FD 00 FF FB 00 FF FE 2C")), "");
+  EXPECT_EQ(client_.fault(), "");
+}
+
+TEST_F(LineClientTest, TheFaultNamesWhatIsMissingAfterThreeSeconds) {
+  client_.on_time(kStart + LineClient::kLimit - std::chrono::milliseconds{1});
+  EXPECT_EQ(client_.fault(), "");
+  client_.on_time(kStart + LineClient::kLimit);
+  EXPECT_EQ(client_.fault(), "the server has not agreed on COM-PORT-OPTION (RFC 2217) within 3s");
+}
+
+TEST_F(LineClientTest, AMissingBinaryAndAMissingValueAreNamed) {
+  receive(hex("FF FD 2C"));
+  LineClient silent = client_;
+  silent.on_time(kStart + LineClient::kLimit);
+  EXPECT_EQ(silent.fault(), "the server has not agreed on BINARY within 3s");
+  receive(together({"FF FD 00 FF FB 00", option("65 0E"), option("67 03")}));
+  client_.on_time(kStart + LineClient::kLimit);
+  EXPECT_EQ(client_.fault(), "the server has not confirmed the data bits within 3s");
+}
+
+TEST_F(LineClientTest, TheServerSuspendsData) {
+  open();
+  receive(hex(option("6C")));
+  EXPECT_TRUE(client_.suspended());
+  receive(hex(option("6D")));
+  EXPECT_FALSE(client_.suspended());
+}
+
+TEST_F(LineClientTest, RespondsToARequestForItsSignature) {
+  open();
+  EXPECT_EQ(receive(hex(option("64"))), option("00 46 69 65 6C 64 63 61 73 74"));
+  EXPECT_EQ(receive(hex(option("64 41"))), "");
+  EXPECT_EQ(receive(hex(option("6B B0"))), "");  // a notification
+}
+
+}  // namespace
+}  // namespace fieldcast::telnet
