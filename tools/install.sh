@@ -47,7 +47,7 @@ test=(
   # manual pages, and the signed repository of packages
   man-db gpg gpg-agent
   # third-party devices, masters and DDS, for interoperability tests
-  libmodbus-dev python3-yaml python3-pymodbus python3-nmea2 python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
+  libmodbus-dev python3-yaml python3-pymodbus python3-nmea2 python3-serial python3-serial-asyncio ser2net mbpoll socat cyclonedds-dev cyclonedds-tools
   # reads captures as Wireshark does
   tshark
   # the tests start their own servers

@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "bridge/base/check.hpp"
+#include "bridge/port/rfc2217_port.hpp"
 #include "bridge/port/serial_port.hpp"
 #include "bridge/port/stream_port.hpp"
 
@@ -44,6 +45,9 @@ struct Maker {
   }
   std::unique_ptr<Port> operator()(const TcpPortSpec& spec) const {
     return std::make_unique<TcpPort>(io, spec);
+  }
+  std::unique_ptr<Port> operator()(const Rfc2217PortSpec& spec) const {
+    return std::make_unique<Rfc2217Port>(io, spec);
   }
   std::unique_ptr<Port> operator()(const DialInPortSpec& spec) const {
     FIELDCAST_CHECK(modules != nullptr);

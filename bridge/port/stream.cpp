@@ -38,7 +38,9 @@ void Stream::write_more(ByteView bytes) {
 }
 
 void Stream::poll() {
-  if (usable()) (void)take();
+  if (!usable()) return;
+  fetch();
+  (void)take();
 }
 
 void Stream::close() {
@@ -120,6 +122,7 @@ void Stream::sleep() {
 }
 
 void Stream::drop_stale() {
+  fetch();
   std::array<std::uint8_t, 512> stale;
   const ssize_t more = datagrams() ? 0 : static_cast<ssize_t>(stale.size());
   while (::read(fd(), stale.data(), stale.size()) >= more) {}
@@ -167,6 +170,8 @@ void tune_socket(int fd, Duration unacknowledged) {
   set_option(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(limit.count()));
 }
 
+void acknowledge_now(int fd) { set_option(fd, IPPROTO_TCP, TCP_QUICKACK, 1); }
+
 std::optional<tcp::socket> adopt_socket(asio::io_context& io, FileDescriptor fd) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -188,10 +193,6 @@ bool peer_responds(int fd) {
                               std::chrono::milliseconds{info.tcpi_last_ack_recv} >= kUnacknowledged;
   return !unacknowledged && info.tcpi_probes < kKeepAliveProbes;
 }
-
-// A peer with Nagle's algorithm sends the next part only after the last one was acknowledged, which
-// the kernel may delay by 40 ms.
-void SocketStream::acknowledge(int fd) { set_option(fd, IPPROTO_TCP, TCP_QUICKACK, 1); }
 
 std::optional<Stream::End> SocketStream::restore(int fd) {
   // The programming session had set its own timeout.

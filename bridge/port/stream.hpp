@@ -57,6 +57,9 @@ class Stream : public std::enable_shared_from_this<Stream> {
   // Returns the reason for a read without bytes. `error` is errno, or 0 at the end of the stream.
   [[nodiscard]] virtual End end_of(int error) const = 0;
   virtual void before_close(int fd) = 0;
+  // Before bytes are read outside of a wait: moves those that have arrived to the descriptor. Must
+  // not call the listener.
+  virtual void fetch() {}
   // After received bytes, and what was sent because of them.
   virtual void acknowledge(int) {}
   // Each read is a datagram, which may be empty.
@@ -95,6 +98,10 @@ inline constexpr Duration kUnacknowledged = std::chrono::seconds{10};
 inline constexpr Duration kUnacknowledgedByOne = std::chrono::seconds{3};
 void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 
+// A peer with Nagle's algorithm sends the next part only after the last one was acknowledged, which
+// the kernel may delay by 40 ms.
+void acknowledge_now(int fd);
+
 // Returns the socket as an Asio socket, or `std::nullopt` if it is no longer usable.
 [[nodiscard]] std::optional<boost::asio::ip::tcp::socket> adopt_socket(boost::asio::io_context& io,
                                                                        FileDescriptor fd);
@@ -121,7 +128,7 @@ class SocketStream final : public Stream {
   std::optional<End> restore(int fd) override;
   End end_of(int error) const override;
   void before_close(int) override {}
-  void acknowledge(int fd) override;
+  void acknowledge(int fd) override { acknowledge_now(fd); }
 
   const Clients clients_;
   const Instant began_;

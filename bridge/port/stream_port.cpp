@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <sys/socket.h>
 
-#include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "bridge/port/stream.hpp"
+#include "bridge/port/tcp_opening.hpp"
 
 namespace fieldcast {
 
@@ -69,69 +67,21 @@ void StreamPort::close() {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 
-// Resolves the name and connects, within the configured time.
-class TcpOpening final : public PortOpening {
+class TcpStreamOpening final : public TcpOpening {
  public:
-  TcpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
-      : PortOpening(io, listener), spec_(spec), resolver_(io), socket_(io), limit_(io) {}
-
-  void begin() override {
-    limit_.expires_after(spec_.connect_timeout);
-    limit_.async_wait([self = self_as<TcpOpening>()](boost::system::error_code fault) {
-      if (!self->over_ && self->stream() == nullptr && !fault)
-        self->give_up("no connection within " + to_text(self->spec_.connect_timeout));
-    });
-    resolver_.async_resolve(
-        spec_.host, std::to_string(spec_.port),
-        [self = self_as<TcpOpening>()](boost::system::error_code fault,
-                                       const tcp::resolver::results_type& found) {
-          if (self->over_) return;
-          if (!fault) return self->connect(found);
-          self->give_up(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
-        });
+  TcpStreamOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
+      : TcpOpening(io, listener,
+                   {spec.host, spec.port, spec.connect_timeout, spec.fence.is(Fence::kOneClient)}) {
   }
 
  private:
-  void connect(const tcp::resolver::results_type& endpoints) {
-    asio::async_connect(
-        socket_, endpoints,
-        [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
-          if (self->over_) return;
-          if (fault) return self->give_up(self->with_fence(fault.message()));
-          self->connected();
-        });
-  }
-
-  void connected() {
-    limit_.cancel();
-    boost::system::error_code fault;
-    FileDescriptor socket(socket_.release(fault));
-    const Clients clients = spec_.fence.is(Fence::kOneClient) ? Clients::kOne : Clients::kMany;
-    auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_, clients);
+  void connected(FileDescriptor socket) override {
+    auto stream = make_socket_stream(io_, std::move(socket), listener_,
+                                     target().one_client ? Clients::kOne : Clients::kMany);
     if (!stream) return give_up("the connection is closed already");
     opened(std::move(stream));
   }
-
-  [[nodiscard]] std::string with_fence(std::string reason) const {
-    if (!spec_.fence.is(Fence::kOneClient)) return reason;
-    return reason + " (it accepts one client: another client may be connected)";
-  }
-
-  void give_up(std::string reason) { fail(std::move(reason), Cause::kPortUnreachable); }
-
-  void cancel() override {
-    limit_.cancel();
-    resolver_.cancel();
-    boost::system::error_code ignored;
-    socket_.close(ignored);
-  }
-
-  TcpPortSpec spec_;
-  tcp::resolver resolver_;
-  tcp::socket socket_;
-  asio::steady_timer limit_;
 };
 
 // Resolves the name; the socket then has no peer that could refuse it.
@@ -175,7 +125,7 @@ class UdpOpening final : public PortOpening {
 
 std::shared_ptr<PortOpening> TcpPort::make_opening(PortListener& listener) {
   if (spec_.datagrams) return std::make_shared<UdpOpening>(io_, spec_, listener);
-  return std::make_shared<TcpOpening>(io_, spec_, listener);
+  return std::make_shared<TcpStreamOpening>(io_, spec_, listener);
 }
 
 namespace asio = boost::asio;

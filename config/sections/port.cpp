@@ -120,18 +120,24 @@ FenceSpec read_fence(MapReader& map, std::initializer_list<Fence> fits, std::str
   return fence;
 }
 
+// Baud rate and format of a line that this bridge sets.
+LineFormat read_line(MapReader& map, const LineFormat& factory) {
+  LineFormat line = factory;
+  std::uint32_t baud = factory.baud;
+  map.read("format", line, FormatRule{});
+  map.read("baud", baud, BaudRule{});
+  line.baud = baud;
+  return line;
+}
+
 PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   SerialPortSpec port;
-  std::uint32_t baud = factory.baud;
-  port.line = factory;
   if (map.read("serial", port.path, TextRule{kMaxPath}) &&
       port.path.find('/') == std::string::npos) {
     map.fault("serial", fmt::format("'{}' is no path of a serial port", port.path),
               "a path such as /dev/ttyUSB0 or /dev/serial/by-id/..");
   }
-  map.read("format", port.line, FormatRule{});
-  map.read("baud", baud, BaudRule{});
-  port.line.baud = baud;
+  port.line = read_line(map, factory);
   map.read("rs485", port.rs485, FlagRule{});
   map.read("low-latency", port.low_latency, FlagRule{});
   map.read("exclusive", port.exclusive, FlagRule{});
@@ -173,6 +179,18 @@ PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
+PortSpec read_rfc2217(MapReader& map, const LineFormat& factory) {
+  Rfc2217PortSpec port;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("rfc2217", endpoint, HostPortRule{}))
+    port.host = endpoint.first, port.port = endpoint.second;
+  map.read("connect-timeout", port.connect_timeout, connect_timeout());
+  port.line = read_line(map, factory);
+  port.fence = read_fence(map, {Fence::kNone, Fence::kListen, Fence::kOneClient},
+                          "one-client, listen, none");
+  return port;
+}
+
 PortSpec read_udp(MapReader& map, const LineFormat& factory) {
   TcpPortSpec port;
   port.datagrams = true;
@@ -196,14 +214,18 @@ struct PortType {
   std::vector<std::string_view> takes;
   PortSpec (*read)(MapReader& map, const LineFormat& factory);
 };
-const std::array<PortType, 4>& port_types() {
-  static const std::array<PortType, 4> types{{
+const std::array<PortType, 5>& port_types() {
+  static const std::array<PortType, 5> types{{
       {"serial",
        "PATH",
        {"baud", "format", "rs485", "low-latency", "exclusive", "fence", "hold"},
        read_serial},
       {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout", "fence", "hold"}, read_tcp},
       {"udp", "HOST:PORT", {"baud", "format"}, read_udp},
+      {"rfc2217",
+       "HOST:PORT",
+       {"baud", "format", "connect-timeout", "fence", "hold"},
+       read_rfc2217},
       {"dial-in", "NUMBER", {"baud", "format"}, read_dial_in},
   }};
   return types;
@@ -215,7 +237,7 @@ std::vector<std::string_view> type_keys() {
   return keys;
 }
 
-// "serial nor tcp nor udp nor dial-in".
+// "serial nor tcp nor udp nor rfc2217 nor dial-in".
 std::string joined_with(std::string_view word) {
   std::string text;
   for (const auto key : type_keys()) {
@@ -307,7 +329,9 @@ void check_port(const std::string& protocol, const PortSpec& port, const Positio
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr) return;
   const std::string instead(entry->instead);
-  if (entry->network_only && std::holds_alternative<SerialPortSpec>(port))
+  const bool serial =
+      std::holds_alternative<SerialPortSpec>(port) || std::holds_alternative<Rfc2217PortSpec>(port);
+  if (entry->network_only && serial)
     faults.add(position, protocol + " over a serial port", "port: { tcp: HOST:PORT }", instead);
   if (entry->whole_bytes && line_of(port).data_bits != 8) {
     faults.add(position, protocol + " over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
@@ -331,6 +355,11 @@ const RowTable& port_rows() {
             .schema = R"({ "type": "string", "minLength": 1 })"}},
           row({.name = "tcp", .text = "of a TCP device or a serial server"}, HostPortRule{}),
           row({.name = "udp", .text = "of a device whose frames are datagrams"}, HostPortRule{}),
+          row({.name = "rfc2217",
+               .text =
+                   "of a serial server that speaks RFC 2217; the bridge sets `baud` and `format` "
+                   "of its line"},
+              HostPortRule{}),
           row({.name = "dial-in",
                .text = "device number of a module that dials in (`program`, `modules`)"},
               DeviceNumberRule{}),
@@ -343,7 +372,7 @@ const RowTable& port_rows() {
           row({"rs485", "false", "the kernel switches the direction of the line"}, FlagRule{}),
           row({"low-latency", "true", "asks the driver not to hold bytes back"}, FlagRule{}),
           row({"exclusive", "true", "nobody else may open the port"}, FlagRule{}),
-          row({"connect-timeout", "3s", "with `tcp`"}, connect_timeout()),
+          row({"connect-timeout", "3s", "with `tcp` or `rfc2217`"}, connect_timeout()),
           row({"fence", "not said",
                "what keeps a second master off the wire (docs/redundancy.md): `listen` "
                "before sending; `lock` of a serial port, for bridges on one host; "

@@ -14,6 +14,7 @@ namespace fieldcast::config {
 // { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
 //     { tcp: HOST:PORT, baud, format, connect-timeout, fence, hold }
 //     { udp: HOST:PORT, baud, format }
+//     { rfc2217: HOST:PORT, baud, format, connect-timeout, fence, hold }
 //     { dial-in: NUMBER, baud, format }
 //
 // Without baud and format, the line has the factory setting of the protocol's devices

@@ -64,6 +64,21 @@ struct TcpPortSpec {
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
 };
 
+// A serial line at a server of RFC 2217, which sets the line as configured here.
+struct Rfc2217PortSpec {
+  std::string host;
+  std::uint16_t port = 2217;
+  LineFormat line;
+  Duration connect_timeout = std::chrono::seconds{3};
+  FenceSpec fence{};
+
+  static constexpr bool kOverNetwork = true;
+  [[nodiscard]] static bool has_datagrams() { return false; }
+  [[nodiscard]] std::string name() const { return "rfc2217 " + host + ':' + std::to_string(port); }
+  [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
+  friend bool operator==(const Rfc2217PortSpec&, const Rfc2217PortSpec&) = default;
+};
+
 struct DialInPortSpec {
   std::string number;
   std::optional<LineFormat> line;  // of the serial line behind the module
@@ -76,11 +91,11 @@ struct DialInPortSpec {
   friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
 };
 
-using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
+using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, Rfc2217PortSpec, DialInPortSpec>;
 
 [[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
 
-// "/dev/ttyUSB0", "10.0.0.7:502", "dial-in 17".
+// "/dev/ttyUSB0", "10.0.0.7:502", "rfc2217 10.0.0.7:4001", "dial-in 17".
 [[nodiscard]] std::string name_of(const PortSpec& port);
 [[nodiscard]] std::string to_text(const PortSpec& port);
 

@@ -49,6 +49,10 @@ TEST(FenceText, SaysWhichFenceAPortHasAndWhetherOneIsMissing) {
   EXPECT_FALSE(text(tcp({}, false), "modbus-tcp").missing);
   EXPECT_TRUE(text(tcp({}, false)).missing) << "frames of a line over TCP: a serial server";
   EXPECT_FALSE(text(DialInPortSpec{"17", {}}).missing);
+  Rfc2217PortSpec rfc2217{"server", 4001, LineFormat{}};
+  EXPECT_TRUE(text(rfc2217).missing);
+  rfc2217.fence.kind = Fence::kOneClient;
+  EXPECT_FALSE(text(rfc2217).missing);
   EXPECT_NE(text(serial(Fence::kListen)).text.find("silent for 420ms"), std::string::npos)
       << text(serial(Fence::kListen)).text;
 }

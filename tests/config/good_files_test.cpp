@@ -52,7 +52,7 @@ class Everything : public testing::Test {
     auto loaded = load_text(slurp(folder / "everything.yaml"), "everything.yaml", within(folder));
     ASSERT_TRUE(loaded) << faults_of(loaded);
     spec = std::move(*loaded);
-    ASSERT_EQ(spec.buses.size(), 4u);
+    ASSERT_EQ(spec.buses.size(), 5u);
     ASSERT_EQ(spec.buses[0].devices.size(), 3u);
   }
 
@@ -140,6 +140,9 @@ TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(spec.buses[2].port, PortSpec(TcpPortSpec{"fe80::1", 502, std::nullopt, seconds{3}}));
   EXPECT_EQ(spec.buses[3].port,
             PortSpec(DialInPortSpec{"17", LineFormat{9600, 7, Parity::kEven, 2}}));
+  EXPECT_EQ(spec.buses[4].port,
+            PortSpec(Rfc2217PortSpec{"line.local", 4002, LineFormat{4800, 7, Parity::kOdd, 2},
+                                     seconds{4}, FenceSpec{Fence::kOneClient}}));
   EXPECT_EQ(spec.buses[1].devices[0].number, "P3");
   ASSERT_TRUE(spec.program.engineers && spec.program.modules);
   const EngineersSpec& engineers = *spec.program.engineers;

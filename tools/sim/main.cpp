@@ -89,6 +89,11 @@ int simulate(const Arguments& given) {
       return fail(kBadFile,
                   fmt::format("{}: {}: modules that dial in are simulated in virtual time only",
                               given.config, spec.name));
+    if (std::holds_alternative<Rfc2217PortSpec>(spec.port))
+      return fail(kBadFile,
+                  fmt::format("{}: {}: a server of RFC 2217 is not simulated; simulate its "
+                              "line as a serial port, and serve that with ser2net",
+                              given.config, spec.name));
     auto bus = sim::SimBus::make(spec, faults.buses[spec.name], given.seed, start);
     if (!bus) return fail(kBadFile, fmt::format("{}: {}", given.config, bus.error()));
     buses.push_back(std::move(*bus));

@@ -58,19 +58,29 @@ FenceText of(const SerialPortSpec& port, const BusSpec& bus) {
       true};
 }
 
-FenceText of(const TcpPortSpec& port, const BusSpec& bus) {
-  if (port.fence.is(Fence::kListen)) return {listening(bus)};
-  if (port.fence.is(Fence::kOneClient)) {
-    return {"one client: the server at " + port.name() +
+// A serial server, with or without RFC 2217.
+FenceText of_server(const FenceSpec& fence, const std::string& name, const BusSpec& bus) {
+  if (fence.is(Fence::kListen)) return {listening(bus)};
+  if (fence.is(Fence::kOneClient)) {
+    return {"one client: the server at " + name +
             " must take one connection only; the bridge that has it is the one that sends"};
   }
-  // With a framed protocol over TCP each client has its own connection.
-  if (!port.line && only_network_protocols(bus))
-    return {"none is needed: each client has a connection of its own, and no frame is garbled"};
   return {
       "none: two bridges that do not hear of each other could send into each other; let the serial "
       "server take one connection only, and set 'fence: one-client'",
       true};
+}
+
+FenceText of(const TcpPortSpec& port, const BusSpec& bus) {
+  // With a framed protocol over TCP each client has its own connection.
+  const bool fenced = port.fence.is(Fence::kListen) || port.fence.is(Fence::kOneClient);
+  if (!fenced && !port.line && only_network_protocols(bus))
+    return {"none is needed: each client has a connection of its own, and no frame is garbled"};
+  return of_server(port.fence, port.name(), bus);
+}
+
+FenceText of(const Rfc2217PortSpec& port, const BusSpec& bus) {
+  return of_server(port.fence, port.name(), bus);
 }
 
 FenceText of(const DialInPortSpec&, const BusSpec&) {

@@ -143,6 +143,8 @@ namespace {
 
 constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;
 
+constexpr std::string_view kRfc2217 = "rfc2217:";
+bool is_rfc2217(std::string_view port) { return port.starts_with(kRfc2217); }
 bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }
 
 // Empty if the protocol has no such address. Only declared protocols have texts and long numbers.
@@ -182,7 +184,7 @@ std::string full_port(const std::string& port) {
 
 void add_line_options(CommandLine& line, LineOptions& options) {
   line.text("PORT", options.port,
-            "A serial port (/dev/ttyUSB0, ttyUSB0), HOST:PORT or udp:HOST:PORT")
+            "A serial port (/dev/ttyUSB0, ttyUSB0), HOST:PORT, udp:HOST:PORT or rfc2217:HOST:PORT")
       .required();
   line.text("--protocol", options.protocol,
             std::string(kProtocolHelp) + " (modbus-rtu; for HOST:PORT modbus-tcp)");
@@ -199,7 +201,7 @@ void add_line_options(CommandLine& line, LineOptions& options) {
 
 std::string protocol_of(const LineOptions& options) {
   if (!options.protocol.empty()) return options.protocol;
-  return is_path(options.port) ? "modbus-rtu" : "modbus-tcp";
+  return is_path(options.port) || is_rfc2217(options.port) ? "modbus-rtu" : "modbus-tcp";
 }
 
 tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const LineFormat& factory) {
@@ -221,13 +223,15 @@ tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const Li
   }
   constexpr std::string_view kUdp = "udp:";
   std::string_view place = options.port;
-  const bool datagrams = place.starts_with(kUdp);
-  if (datagrams) place.remove_prefix(kUdp.size());
+  const bool datagrams = place.starts_with(kUdp), rfc2217 = is_rfc2217(place);
+  place.remove_prefix(datagrams ? kUdp.size() : rfc2217 ? kRfc2217.size() : 0);
   const auto host = config::host_port_from(place);
   if (!host)
     return tl::unexpected(
-        fmt::format("'{}' is none of a serial port (/dev/ttyUSB0), HOST:PORT and udp:HOST:PORT",
+        fmt::format("'{}' is none of a serial port (/dev/ttyUSB0), HOST:PORT, udp:HOST:PORT and "
+                    "rfc2217:HOST:PORT",
                     printable(options.port)));
+  if (rfc2217) return Rfc2217PortSpec{host->first, host->second, line};
   TcpPortSpec port;
   port.host = host->first;
   port.port = host->second;
