@@ -18,7 +18,7 @@ namespace fieldcast {
 
 class RenewedWriter {
  public:
-  static constexpr std::uint64_t kMostMessages = 1 << 17;
+  static constexpr std::uint64_t kMostMessages = 1 << 16;
   // The next writer matches its readers before its first message, and the former one repairs its
   // last messages.
   static constexpr Duration kOverlap = std::chrono::seconds{3};

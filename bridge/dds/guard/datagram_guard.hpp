@@ -56,7 +56,7 @@ class DatagramGuard final : private RtpsEvents {
   // Limit for the advance of a writer's HEARTBEATs, restored at 100 000 numbers a second.
   static constexpr std::int64_t kJump = 1 << 20;
   // Numbers that the library may count at a time, and per second: 0.2 to 0.5 us each (Debian 12).
-  static constexpr std::int64_t kStep = 1 << 22, kCountsPerSecond = 1 << 20;
+  static constexpr std::int64_t kStep = 1 << 21, kCountsPerSecond = 1 << 20;
   // Highest first number of a writer's HEARTBEAT.
   static constexpr std::int64_t kFarthest = std::int64_t{1} << 36;
 
