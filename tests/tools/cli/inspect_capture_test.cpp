@@ -142,7 +142,8 @@ TEST_F(InspectCapture, LearnPrintsADeclaration) {
   EXPECT_THAT(shown.out, HasSubstr("- { is: checksum, kind: sum, of: constant..value-1 }"));
   EXPECT_THAT(shown.out, HasSubstr("  # at -1, 20/20\n"));
   EXPECT_THAT(shown.err, HasSubstr("40 frames of line, 0 without a response"));
-  EXPECT_THAT(shown.err, HasSubstr("the proposal explains 40 of 40 different frames"));
+  EXPECT_THAT(shown.err,
+              HasSubstr("the proposal explains 40 of 40 frames in 20 different exchanges"));
   // The output is a declaration as it is.
   EXPECT_TRUE(config::load_declaration_text(shown.out, "mine.yaml"));
 }

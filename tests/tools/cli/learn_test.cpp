@@ -448,6 +448,49 @@ TEST(Learn, DeltaDvpAscii) {
   expect_same(*learned, plant.declaration(), {"read registers", "read relays"});
 }
 
+// Only the first digit of 01 and 11 differs; the checksum is over bytes.
+TEST(Learn, DigitsOfAByteStayTogether) {
+  Plant plant("delta-dvp-ascii");
+  read_all(plant, {"1", "17"}, {"D"}, {0, 100, 300, 1000}, {1, 2, 9, 40});
+  const auto learned = declared_by(plant);
+  expect_same(*learned, plant.declaration(), {"read registers"});
+  EXPECT_EQ(learned->highest_address, 255u);
+}
+
+// By the programming port of Mitsubishi FX: the sum is over ETX and what precedes it.
+TEST(Learn, AMarkBeforeTheChecksumIsNotAnItem) {
+  Plant plant("modbus-rtu-declared");
+  const auto framed = [](std::string text) {
+    unsigned sum = 0;
+    for (const char c : text += '\x03') sum += static_cast<unsigned char>(c);
+    text = '\x02' + text + fmt::format("{:02X}", sum & 0xFF);
+    return Bytes(text.begin(), text.end());
+  };
+  for (unsigned i = 0; i < 40; ++i) {
+    const unsigned count = 1 + i % 3;
+    std::string items;
+    for (unsigned k = 0; k < count; ++k) items += fmt::format("{:02X}", plant.random() & 0xFF);
+    plant.take(framed(fmt::format("0{:04X}{:02}", 0x1000 + 37 * i, count)), framed(items));
+  }
+  const auto learned = declared_by(plant);
+  ASSERT_EQ(learned->operations.size(), 1u);
+  EXPECT_EQ(lines_of(learned->operations[0], true),
+            (Lines{"0 fixed 02", "1 items 2h", "-3 fixed 03",
+                   "-2 checksum 2h of 1..-2 kind 0 complement 0 crc 16/8005/FFFF/0/truetrue"}));
+}
+
+// The fields of few exchanges have the evidence of these alone.
+TEST(Learn, EvidenceIsThatOfTheOperation) {
+  Plant plant("modbus-rtu-declared");
+  read_all(plant, {"1", "2"}, {"holding"}, {0, 100, 300, 1000}, {1, 2, 10});
+  read_all(plant, {"1", "2"}, {"coil"}, {7}, {9});
+  const Proposal proposal = plant.learned();
+  ASSERT_EQ(proposal.operations.size(), 2u);
+  for (const auto* fields : {&proposal.operations[1].request, &proposal.operations[1].response}) {
+    for (const LearnedField& field : *fields) EXPECT_EQ(field.evidence.of, 2u) << field.name;
+  }
+}
+
 // One exchange of Modbus TCP: 16 bits of transaction, protocol 0, length, unit, PDU.
 void take_tcp(Plant& plant, std::uint16_t transaction, std::uint8_t unit, std::uint16_t first,
               std::uint8_t count) {

@@ -119,8 +119,9 @@ ExitCode learn_protocol(const InspectOptions& options, const Streams& to) {
   const auto loaded = config::load_declaration_text(text, "proposal");
   if (loaded) {
     const auto explained = learn::explained_by(*loaded->value, exchanges);
-    to.err << fmt::format("fieldcast inspect: the proposal explains {} of {} different frames\n",
-                          explained.holds, explained.of);
+    to.err << fmt::format("fieldcast inspect: the proposal explains {} of {} in {}\n",
+                          explained.holds, counted(explained.of, "frame", "frames"),
+                          counted(exchanges.size(), "different exchange", "different exchanges"));
     return ExitCode::kOk;
   }
   to.err << config::to_text(std::span(loaded.error()));

@@ -160,6 +160,14 @@ bool FoundChecksum::fits(ByteView frame) const {
   return bytes && declared::check_of(check, bits_of(word), *bytes) == *number;
 }
 
+bool FoundChecksum::align(std::ptrdiff_t& at, std::ptrdiff_t& end) const {
+  const auto begin = static_cast<std::ptrdiff_t>(from);
+  if (!check.over_bytes || at < begin) return false;
+  at -= (at - begin) % 2;
+  end += (end - begin) % 2;
+  return true;
+}
+
 std::optional<FoundChecksum> find_same_checksum(const Frames& frames, const FoundChecksum& other) {
   return Search(frames, false).run_like(other);
 }

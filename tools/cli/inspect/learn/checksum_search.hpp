@@ -23,6 +23,9 @@ struct FoundChecksum {
     return -static_cast<std::ptrdiff_t>(word.characters + trailer);
   }
   [[nodiscard]] bool fits(ByteView frame) const;
+  // Over bytes, each field is a number of whole bytes, of two digits each: extends the columns
+  // at .. end-1. False if it is not over bytes, or does not cover them.
+  bool align(std::ptrdiff_t& at, std::ptrdiff_t& end) const;
 };
 
 // Empty if none fits nearly all frames, or if so few values could fit by chance.

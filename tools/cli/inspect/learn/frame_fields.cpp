@@ -67,14 +67,13 @@ void FrameFields::set_end(const std::optional<FoundChecksum>& common) {
   if (check_) {
     if (fits.holds_mostly()) check_->evidence = fits;
     end_size_ = check_->end_size();
-    return;
+    if (!text_ || check_->gap > 0) return;
   }
   if (shortest(frames_) == longest(frames_) && !text_) return;
   // Marks behind the data; letters and digits belong to the data.
-  const std::size_t most = constant_end(frames_, 4);
-  for (; end_size_ < most; ++end_size_) {
-    const auto c = *constant_at(frames_, -1 - static_cast<std::ptrdiff_t>(end_size_));
-    if (text_ && c >= ' ' && c <= '~') break;
+  for (; marks_ < 4; ++marks_, ++end_size_) {
+    const auto c = constant_at(frames_, -1 - static_cast<std::ptrdiff_t>(end_size_));
+    if (end_size_ >= shortest(frames_) || !c || (text_ && *c >= ' ' && *c <= '~')) return;
   }
 }
 
@@ -87,7 +86,13 @@ bool FrameFields::is_free(std::ptrdiff_t at, std::size_t width) const {
          std::ranges::none_of(covered_, [&](auto from) { return from > at && from < end; });
 }
 
-bool FrameFields::add(const LearnedField& field) {
+bool FrameFields::add(LearnedField field) {
+  std::ptrdiff_t end = field.end();
+  if (field.width > 0 && check_ && check_->align(field.at, end)) {
+    field.width = static_cast<std::size_t>(end - field.at);
+    if (field.word.notation == declared::Notation::kDecimal) field.note.clear();
+    field.word = digits(declared::Notation::kHex, field.width);
+  }
   if (field.width == 0 || !is_free(field.at, field.width)) return false;
   fields_.push_back(field);
   if (field.from >= 0) covered_.insert(field.from);
@@ -101,7 +106,11 @@ std::ptrdiff_t FrameFields::used() const {
 }
 
 void FrameFields::fill(FieldKind others, const std::string& note) {
-  const auto varies = [&](std::ptrdiff_t column) { return !constant_at(frames_, column); };
+  const auto varies = [&](std::ptrdiff_t column) {
+    std::ptrdiff_t end = column + 1;
+    if (check_) check_->align(column, end);
+    return !constant_at(frames_, column) || !constant_at(frames_, end - 1);
+  };
   for (std::ptrdiff_t at = 0; at < limit_; ++at) {
     if (!is_free(at, 1)) continue;
     const bool varying = varies(at);
@@ -112,6 +121,7 @@ void FrameFields::fill(FieldKind others, const std::string& note) {
     LearnedField field = constant_in(frames_, at, static_cast<std::size_t>(end - at));
     if (varying) {
       field.kind = others;
+      field.evidence.holds = field.evidence.of;
       field.note = note;
       field.word = text_ ? digits(declared::Notation::kHex, field.width) : binary(field.width);
       if (text_ && !are_digits(frames_, at, end, 16))
@@ -121,13 +131,13 @@ void FrameFields::fill(FieldKind others, const std::string& note) {
   }
 }
 
+void FrameFields::add_constant(std::size_t from_end, std::size_t width) {
+  if (width > 0)
+    fields_.push_back(constant_in(frames_, -static_cast<std::ptrdiff_t>(from_end), width));
+}
+
 void FrameFields::add_end() {
-  const auto add_constant = [&](std::size_t from_end, std::size_t width) {
-    if (width > 0)
-      fields_.push_back(constant_in(frames_, -static_cast<std::ptrdiff_t>(from_end), width));
-  };
-  if (!check_) return add_constant(end_size_, end_size_);
-  add_constant(end_size_, check_->gap);
+  add_constant(check_->end_size(), check_->gap);
   LearnedField made{.kind = FieldKind::kChecksum, .at = check_->at(), .word = check_->word};
   made.width = check_->word.characters;
   made.options = fmt::format(", kind: {}", check_->kind);
@@ -142,8 +152,9 @@ void FrameFields::add_end() {
 
 std::vector<LearnedField> FrameFields::finish(unsigned& values) {
   std::ranges::stable_sort(fields_, {}, &LearnedField::at);
+  if (check_) add_constant(end_size_, marks_);
   const std::size_t count = fields_.size();
-  add_end();
+  check_ ? add_end() : add_constant(end_size_, marks_);
   std::map<FieldKind, unsigned> counts;
   for (LearnedField& field : fields_) {
     const bool value = field.kind == FieldKind::kValue;

@@ -17,14 +17,14 @@ class FrameFields {
   [[nodiscard]] const std::optional<FoundChecksum>& check() const { return check_; }
   // The end of a variable text before it is known.
   [[nodiscard]] bool ends_with_constant() const {
-    return end_size_ > 0 && (!check_ || check_->gap > 0);
+    return end_size_ > 0 && (!check_ || check_->gap + marks_ > 0);
   }
   // Columns that may be used; REQUIRES: no field is behind them.
   [[nodiscard]] std::ptrdiff_t limit() const { return limit_; }
   void set_limit(std::ptrdiff_t limit) { limit_ = limit; }
 
   // False if a column has a field already, is beyond the limit, or begins what a field covers.
-  bool add(const LearnedField& field);
+  bool add(LearnedField field);
   [[nodiscard]] bool is_free(std::ptrdiff_t at, std::size_t width) const;
   // The first column behind all fields, and where the first covered one begins at the latest.
   [[nodiscard]] std::ptrdiff_t used() const;
@@ -37,11 +37,13 @@ class FrameFields {
 
  private:
   void set_end(const std::optional<FoundChecksum>& common);
+  void add_constant(std::size_t from_end, std::size_t width);
   void add_end();
 
   const Frames& frames_;
   const bool text_;
   std::optional<FoundChecksum> check_;
+  std::size_t marks_ = 0;  // constants before the checksum, which covers them
   std::size_t end_size_ = 0;
   std::ptrdiff_t limit_ = 0;
   std::set<std::ptrdiff_t> covered_;  // the first columns of what lengths and the checksum cover

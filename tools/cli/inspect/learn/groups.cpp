@@ -17,13 +17,6 @@ constexpr std::ptrdiff_t kMaxAddress = 8;
 constexpr std::size_t kMaxCommands = 16;
 constexpr std::size_t kMaxTried = 128;  // exchanges of a group when a division is tried
 
-Frames all_of(const Groups& groups, Frames Group::*side) {
-  Frames all;
-  for (const Group& group : groups)
-    all.insert(all.end(), (group.*side).begin(), (group.*side).end());
-  return all;
-}
-
 // Groups of equal keys, in the order of their first request.
 template <typename Key>
 Groups divided(const Groups& groups, const Key& key) {
@@ -166,7 +159,7 @@ class Finder {
   void find_echoes() {
     for (std::ptrdiff_t i = 0; i <= 2 * kMaxShift; ++i) {
       const std::ptrdiff_t shift = i % 2 == 0 ? i / 2 : -(i + 1) / 2;
-      std::map<std::ptrdiff_t, Evidence> found;
+      std::set<std::ptrdiff_t> found;
       for (std::ptrdiff_t column = std::max<std::ptrdiff_t>(0, -shift); column < kMaxHead;
            ++column) {
         const Evidence all = echo_of(groups_, column, shift);
@@ -174,7 +167,7 @@ class Finder {
           return echo_of({&group, 1}, column, shift).holds_mostly() &&
                  values_at(group.requests, column).size() > 1;
         });
-        if (differs && all.of * 4 >= in_order_.size() && all.holds_mostly()) found[column] = all;
+        if (differs && all.of * 4 >= in_order_.size() && all.holds_mostly()) found.insert(column);
       }
       if (found.size() > echoes_.size()) echoes_ = std::move(found), roles_.shift = shift;
     }
@@ -182,31 +175,31 @@ class Finder {
 
   // `at`: if there are several, the first one.
   LearnedField echoed(FieldKind kind, std::ptrdiff_t at, std::ptrdiff_t end) const {
+    const bool pairs = roles_.request_check && roles_.request_check->align(at, end);
     const auto width = static_cast<std::size_t>(end - at);
     LearnedField field{.kind = kind, .at = at, .width = width};
-    field.word = word_at(all_of(groups_, &Group::requests), at, width, roles_.text);
+    field.word = word_at(in_order_, at, width, roles_.text);
+    if (pairs) field.word.notation = declared::Notation::kHex;
     field.echo = roles_.shift;
     return field;
   }
 
   void find_sequence() {
-    for (const auto& [column, evidence] : echoes_) {
+    for (const std::ptrdiff_t column : echoes_) {
       if (!is_counter(in_order_, column)) continue;
       const bool wide =
           column > 0 && (echoes_.contains(column - 1) || constant_at(in_order_, column - 1) == 0);
       roles_.sequence = echoed(FieldKind::kSequence, column - (wide ? 1 : 0), column + 1);
-      roles_.sequence.evidence = evidence;
-      std::erase_if(echoes_, [&](const auto& other) { return roles_.sequence.holds(other.first); });
+      std::erase_if(echoes_, [&](auto other) { return roles_.sequence.holds(other); });
       return;
     }
   }
 
   void find_address() {
     const auto free = [&](std::ptrdiff_t column) { return !roles_.command.holds(column); };
-    const auto first =
-        std::ranges::find_if(echoes_, [&](const auto& each) { return free(each.first); });
+    const auto first = std::ranges::find_if(echoes_, free);
     if (first == echoes_.end()) return roles_.text ? guess_text_address() : guess_address();
-    std::ptrdiff_t at = first->first, end = at + 1;
+    std::ptrdiff_t at = *first, end = at + 1;
     const Frames& all = in_order_;
     // The next column belongs to it, unless it makes more combinations than there are devices.
     const auto belongs = [&](std::ptrdiff_t column) {
@@ -217,7 +210,6 @@ class Finder {
     while (end - at < kMaxAddress && echoes_.contains(end) && free(end) && belongs(end)) ++end;
     while (roles_.text && at > 0 && constant_at(all, at - 1) == '0') --at;
     roles_.address = echoed(FieldKind::kAddress, at, end);
-    roles_.address.evidence = first->second;
     if (!roles_.text && roles_.address.width > 2 &&
         packed_adds(values_in(all, at, end)).contains(0)) {
       roles_.address.word.notation = declared::Notation::kBcd;
@@ -239,13 +231,11 @@ class Finder {
     static constexpr std::uint8_t kStarts[] = {0x02, 0x10, 0x16, 0x3A, 0x55, 0x5A, 0x68,
                                                0x7E, 0xA5, 0xAA, 0xEB, 0xFE, 0xFF};
     for (std::ptrdiff_t column = 0; column < 3; ++column) {
-      const Evidence echo = echo_of(groups_, column, 0);
       const auto value = constant_at(in_order_, column);
-      if (roles_.command.holds(column) || !value || !echo.holds_mostly() ||
+      if (roles_.command.holds(column) || !value || !echo_of(groups_, column, 0).holds_mostly() ||
           std::ranges::find(kStarts, *value) != std::end(kStarts))
         continue;
       roles_.address = echoed(FieldKind::kAddress, column, column + 1);
-      roles_.address.evidence = echo;
       roles_.address.note = "only one device in the capture: a guess";
       return;
     }
@@ -271,7 +261,6 @@ class Finder {
     if (end - at > 3 || !are_digits(in_order_, at, at + 1, 16)) return;
     roles_.address = echoed(FieldKind::kAddress, at, end);
     roles_.address.echo.reset();
-    roles_.address.evidence = {in_order_.size(), in_order_.size()};
     roles_.address.note = "no response repeats it: a guess";
   }
 
@@ -282,10 +271,8 @@ class Finder {
     command.echo.reset();
     // The response repeats it, or a constant is added.
     for (const std::int64_t plus : {0, 0x80, 0x40, 0x20}) {
-      const Evidence echo = echo_of(groups_, command.at, roles_.shift, plus);
-      if (!echo.holds_mostly()) continue;
+      if (!echo_of(groups_, command.at, roles_.shift, plus).holds_mostly()) continue;
       command.echo = roles_.shift;
-      command.evidence = echo;
       roles_.command_plus = plus;
       return;
     }
@@ -321,7 +308,7 @@ class Finder {
   Roles& roles_;
   Frames in_order_;  // requests
   std::size_t end_size_ = 0;
-  std::map<std::ptrdiff_t, Evidence> echoes_;  // by column
+  std::set<std::ptrdiff_t> echoes_;  // columns
 };
 
 }  // namespace

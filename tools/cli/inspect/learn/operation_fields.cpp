@@ -56,10 +56,10 @@ class OperationBuilder {
   [[nodiscard]] Evidence all() const { return {out_.exchanges, out_.exchanges}; }
 
   void build_request() {
-    request_.add(roles_.address);
+    add_role(request_, roles_.address);
     const auto command = number_at(group_.requests.front(), roles_.command.at, roles_.command.word);
-    if (command && add_with_evidence(request_, roles_.command)) out_.command = command;
-    request_.add(roles_.sequence);
+    if (command && add_role(request_, roles_.command, roles_.command_plus)) out_.command = command;
+    add_role(request_, roles_.sequence);
     find_lengths();
     add_request_lengths();
     add_count();
@@ -70,15 +70,19 @@ class OperationBuilder {
     out_.request = request_.finish(values_);
   }
 
-  bool add_with_evidence(FrameFields& fields, LearnedField field) const {
-    if (field.evidence.of == 0) field.evidence = all();
+  // `plus`: of the response.
+  bool add_role(FrameFields& fields, LearnedField field, std::int64_t plus = 0) const {
+    field.evidence = field.echo ? echo_of({&group_, 1}, field.at, *field.echo, plus) : all();
+    if (&fields == &response_) field.at += *field.echo, field.plus = plus;
     return fields.add(field);
   }
 
   void find_lengths() {
     lengths_ = find_length_fields(group_.responses, text_);
     for (const LengthRule& each : known_.lengths) {
-      if (lengths_.empty() && fits_all(each, group_.responses)) lengths_.push_back(each);
+      if (!lengths_.empty() || !fits_all(each, group_.responses)) continue;
+      lengths_.push_back(each);
+      lengths_.back().evidence = all();
     }
     // Responses of one length: a byte that is the number of bytes up to the end.
     const std::size_t end_size = response_.end_size();
@@ -138,7 +142,8 @@ class OperationBuilder {
                       .width = rule_->word.characters,
                       .word = rule_->word};
     made.evidence = rule_->evidence;
-    if (made.word.notation == Notation::kDecimal && made.width > 1 && rule_->highest < 10)
+    if (!rule_->is_last && made.word.notation == Notation::kDecimal && made.width > 1 &&
+        rule_->highest < 10)
       made.note = "never above 9: perhaps hexadecimal";
     if (!rule_->is_last) widen(made);
     request_.add(made);
@@ -273,11 +278,7 @@ class OperationBuilder {
   }
 
   void add_echo(const LearnedField* field, std::int64_t plus = 0) {
-    if (field == nullptr || !field->echo) return;
-    LearnedField made = *field;
-    made.at += *made.echo;
-    made.plus = plus;
-    add_with_evidence(response_, made);
+    if (field != nullptr && field->echo) add_role(response_, *field, plus);
   }
 
   void add_counted_items() {
