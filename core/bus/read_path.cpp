@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/message_text.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
@@ -136,8 +137,8 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   }
   if (sink.tracing())
     sink.trace(block.device, "read " + text(block.points.front()) + ".., " +
-                                 std::to_string(items_of(block)) + " items, " +
-                                 std::to_string(samples.size()) + " samples");
+                                 counted(items_of(block), "item", "items") + ", " +
+                                 counted(samples.size(), "sample", "samples"));
   sink.publish(std::move(samples));
   if (!good.empty()) {
     others_responded(block.device);

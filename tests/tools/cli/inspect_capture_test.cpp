@@ -84,8 +84,9 @@ class InspectCapture : public testing::Test {
     return out;
   }
   static void add(Bytes& out, Direction direction, const std::string& hex,
-                  const std::string& comment = {}, const char* dissector = "mbrtu") {
-    const Bytes data = make_upper_pdu(dissector, "", direction, *from_hex(hex));
+                  const std::string& comment = {}, const char* dissector = "mbrtu",
+                  const char* column = "") {
+    const Bytes data = make_upper_pdu(dissector, column, direction, *from_hex(hex));
     pcapng::append_packet(out, {{1'700'000'000'000'000'000}, direction, data, comment});
   }
 
@@ -191,6 +192,28 @@ TEST_F(InspectCapture, WithoutAConfigurationFramesAreExplained) {
   EXPECT_THAT(shown.out, HasSubstr("!! CRC"));
   EXPECT_EQ(shown.err, "fieldcast inspect: 2 frames, 1 with a fault\n");
   EXPECT_THAT(run({.protocol = file(bytes), .fields = true}).out, HasSubstr("function"));
+}
+
+// A capture names an installed declaration; it cannot name a file.
+TEST_F(InspectCapture, FramesOfDeclarationsAreExplained) {
+  Bytes bytes = head();
+  const auto add_as = [&](const char* declaration) {
+    add(bytes, Direction::kReceived, "68 37 03 00 92 81 39 68 91 06 33 34 34 35 B9 34 AB 16", "",
+        "fieldcast-frame", declaration);
+  };
+  add_as("dlt645-2007");
+  const auto shown = run({.protocol = file(bytes), .fields = true});
+  EXPECT_EQ(shown.code, ExitCode::kFound);
+  EXPECT_THAT(shown.out, HasSubstr("response: read voltage"));
+  EXPECT_THAT(shown.out, HasSubstr("should be AA"));
+  EXPECT_EQ(shown.err, "fieldcast inspect: 1 frame, 1 with a fault\n");
+  add_as("mine");
+  add_as("../mine.yaml");
+  const auto unknown = run({.protocol = file(bytes), .fields = true});
+  EXPECT_THAT(unknown.out, HasSubstr("  not explained: the protocol is unknown\n"));
+  EXPECT_EQ(unknown.err,
+            "fieldcast inspect: 3 frames, 1 with a fault, 2 of unknown protocols (add --config "
+            "FILE)\n");
 }
 
 TEST_F(InspectCapture, ACutFileShowsWhatIsWholeAndNamesTheCut) {

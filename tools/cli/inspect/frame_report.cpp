@@ -6,6 +6,7 @@
 #include <istream>
 #include <map>
 #include <ostream>
+#include <sstream>
 
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
@@ -53,25 +54,33 @@ ValueDecoder* FrameReport::decoder_of(const std::string& bus) {
   return decoders_.emplace(bus, std::make_unique<ValueDecoder>(*spec)).first->second.get();
 }
 
-FrameReport::Explained FrameReport::explain(const SeenFrame& frame,
-                                            const ValueDecoder* decoder) const {
+// Built in, an installed declaration, or that of the command line. A capture cannot name a file.
+const NamedProtocol* FrameReport::named_protocol_of(const std::string& name) {
+  const auto [known, is_new] = protocols_.try_emplace(name);
+  if (is_new && !name.empty() && name.find_first_of("/.") == std::string::npos) {
+    std::ostringstream unknown;
+    known->second = named_protocol(name, "inspect", unknown);
+  }
+  if (known->second) return &*known->second;
+  return options_.protocol ? &*options_.protocol : nullptr;
+}
+
+FrameReport::Explained FrameReport::explain(const SeenFrame& frame, const ValueDecoder* decoder) {
   const auto sender = !frame.direction                       ? declared::Sender::kUnknown
                       : *frame.direction == Direction::kSent ? declared::Sender::kBridge
                                                              : declared::Sender::kDevice;
   const DeviceSpec* device = decoder == nullptr ? nullptr : &decoder->asked_device();
-  const bool declared = device != nullptr && device->declaration &&
-                        (frame.protocol.empty() || frame.protocol == device->protocol);
-  if (declared)
+  const bool from_device =
+      device != nullptr && (frame.protocol.empty() || frame.protocol == device->protocol);
+  if (from_device && device->declaration)
     return {device->protocol, declared::explain(*device->declaration.value, frame.bytes, sender)};
-  const std::string& name =
-      frame.protocol.empty() && device != nullptr ? device->protocol : frame.protocol;
-  if (const ProtocolEntry* entry = find_protocol(name)) return {name, entry->explain(frame.bytes)};
-  if (!options_.protocol) return {name, {}};
-  const NamedProtocol& given = *options_.protocol;
-  return {std::string(given.name()),
-          given.built_in != nullptr
-              ? given.built_in->explain(frame.bytes)
-              : declared::explain(*given.declaration.value, frame.bytes, sender)};
+  const std::string& name = from_device ? device->protocol : frame.protocol;
+  const NamedProtocol* protocol = named_protocol_of(name);
+  if (protocol == nullptr) return {name, {}};
+  return {std::string(protocol->name()),
+          protocol->built_in != nullptr
+              ? protocol->built_in->explain(frame.bytes)
+              : declared::explain(*protocol->declaration.value, frame.bytes, sender)};
 }
 
 void FrameReport::show(const SeenFrame& frame) {
@@ -103,7 +112,9 @@ void FrameReport::show_lines(const SeenFrame& frame, const Explained& explained,
     out_ << "  # " << printable(frame.comment.substr(at, end - at)) << '\n';
     at = end + 1;
   }
-  if (options_.fields) {
+  if (explained.fields.empty()) {
+    out_ << "  not explained: the protocol is unknown\n";
+  } else if (options_.fields) {
     for (const auto& line :
          inspect_lines(printable(explained.protocol), frame.bytes, explained.fields, screen_))
       out_ << "  " << line << '\n';
@@ -233,6 +244,8 @@ ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& re
     return end.is_no_capture() ? ExitCode::kUsage : ExitCode::kFound;
   }
   err << fmt::format("fieldcast inspect: {}, {} with a fault", frames, report.faulty());
+  if (report.unknown() > 0)
+    err << fmt::format(", {} of unknown protocols (add --config FILE)", report.unknown());
   if (end.dropped > 0) err << fmt::format(", {} missing", end.dropped);
   if (end.others > 0)
     err << fmt::format("; {} not from a bus", counted(end.others, "packet is", "packets are"));

@@ -48,7 +48,8 @@ class FrameReport {
     std::vector<FrameField> fields;
   };
   [[nodiscard]] ValueDecoder* decoder_of(const std::string& bus);
-  [[nodiscard]] Explained explain(const SeenFrame& frame, const ValueDecoder* decoder) const;
+  [[nodiscard]] const NamedProtocol* named_protocol_of(const std::string& name);
+  [[nodiscard]] Explained explain(const SeenFrame& frame, const ValueDecoder* decoder);
   void show_lines(const SeenFrame& frame, const Explained& explained,
                   const std::vector<DecodedValue>& values);
   void show_json(const SeenFrame& frame, const Explained& explained,
@@ -58,6 +59,7 @@ class FrameReport {
   std::ostream& out_;
   const Screen screen_;
   std::map<std::string, std::unique_ptr<ValueDecoder>, std::less<>> decoders_;  // by bus
+  std::map<std::string, std::optional<NamedProtocol>> protocols_;               // of frames
   std::size_t frames_ = 0, faulty_ = 0, unknown_ = 0;
 };
 
