@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "tests/fuzz/fuzz.hpp"
-#include "tools/cli/inspect/learn/proposal_text.hpp"
+#include "tools/cli/inspect/learn/proposal.hpp"
 
 namespace fieldcast {
 namespace {

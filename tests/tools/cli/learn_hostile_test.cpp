@@ -6,7 +6,6 @@
 
 #include "config/loader/loader.hpp"
 #include "tools/cli/inspect/learn/proposal.hpp"
-#include "tools/cli/inspect/learn/proposal_text.hpp"
 
 namespace fieldcast::learn {
 namespace {

@@ -11,7 +11,6 @@
 #include "config/loader/loader.hpp"
 #include "core/codec/checksum.hpp"
 #include "tools/cli/inspect/learn/proposal.hpp"
-#include "tools/cli/inspect/learn/proposal_text.hpp"
 #include "tools/sim/check/requests.hpp"
 
 namespace fieldcast::learn {

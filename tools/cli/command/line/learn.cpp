@@ -15,7 +15,6 @@
 #include "tools/cli/inspect/frame_report.hpp"
 #include "tools/cli/inspect/learn/exchange_pairing.hpp"
 #include "tools/cli/inspect/learn/proposal.hpp"
-#include "tools/cli/inspect/learn/proposal_text.hpp"
 #include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {

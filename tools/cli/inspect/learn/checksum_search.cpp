@@ -66,7 +66,15 @@ class Search {
   std::optional<FoundChecksum> run() {
     if (sample_.size() < 2) return std::nullopt;
     for (const Algorithm& algorithm : algorithms()) {
-      for (const declared::Word& word : words(algorithm)) try_word(algorithm, word);
+      for (const Notation notation : {Notation::kHex, Notation::kDecimal, Notation::kBinary}) {
+        const bool decimal = notation == Notation::kDecimal;
+        if (notation != Notation::kBinary && !text_) continue;
+        if (decimal && (algorithm.bytes > 1 || algorithm.check.kind == CheckKind::kCrc)) continue;
+        const unsigned size = decimal ? 3 : algorithm.bytes * (notation == Notation::kHex ? 2 : 1);
+        try_word(algorithm, digits(notation, size));
+        if (algorithm.bytes > 1)
+          try_word(algorithm, {notation, static_cast<std::uint8_t>(size), true});
+      }
     }
     if (!best_ || best_->values * bits_of(best_->word) < kNeededBits) return std::nullopt;
     return best_;
@@ -81,19 +89,6 @@ class Search {
   }
 
  private:
-  [[nodiscard]] std::vector<declared::Word> words(const Algorithm& algorithm) const {
-    const unsigned bytes = algorithm.bytes;
-    std::vector<declared::Word> all;
-    if (text_) all.push_back(digits(Notation::kHex, std::size_t{2} * bytes));
-    if (text_ && bytes == 1 && algorithm.check.kind != CheckKind::kCrc)
-      all.push_back(digits(Notation::kDecimal, 3));
-    all.push_back(binary(bytes));
-    for (std::size_t i = all.size(); bytes > 1 && i-- > 0;)
-      all.insert(all.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                 declared::Word{all[i].notation, all[i].characters, true});
-    return all;
-  }
-
   void try_word(const Algorithm& algorithm, const declared::Word& word) {
     FoundChecksum found{algorithm.name, algorithm.check, word};
     const std::size_t end = constant_end(sample_, kMaxTrailer);

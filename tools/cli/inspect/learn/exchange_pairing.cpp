@@ -1,18 +1,9 @@
 #include "tools/cli/inspect/learn/exchange_pairing.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fieldcast::learn {
-
-void ExchangePairing::keep(Exchange exchange) {
-  if (known_.contains(exchange)) return;
-  if (exchanges_.size() == kMaxExchanges) {
-    ++left_out_;
-    return;
-  }
-  known_.insert(exchange);
-  exchanges_.push_back(std::move(exchange));
-}
 
 void ExchangePairing::take(Direction direction, ByteView frame) {
   ++frames_;
@@ -26,8 +17,11 @@ void ExchangePairing::take(Direction direction, ByteView frame) {
     request_ = std::move(bytes);
     return;
   }
-  keep({std::move(request_), std::move(bytes)});
-  request_.clear();
+  Exchange exchange{std::exchange(request_, {}), std::move(bytes)};
+  if (exchanges_.size() == kMaxExchanges && !known_.contains(exchange))
+    ++left_out_;
+  else if (known_.insert(exchange).second)
+    exchanges_.push_back(std::move(exchange));
 }
 
 std::vector<Exchange> ExchangePairing::finish() {

@@ -31,8 +31,6 @@ class ExchangePairing {
   [[nodiscard]] std::size_t left_out() const { return left_out_; }  // beyond a limit
 
  private:
-  void keep(Exchange exchange);
-
   std::vector<Exchange> exchanges_;
   std::set<Exchange> known_;
   Bytes request_;  // waits for its response

@@ -18,12 +18,8 @@ LearnedField constant_in(const Frames& frames, std::ptrdiff_t at, std::size_t wi
     bytes.push_back(constant_at(frames, at + static_cast<std::ptrdiff_t>(i)).value_or(0));
   LearnedField field = constant_field(bytes, at);
   field.evidence = {};
-  for (const ByteView frame : frames) {
-    bool same = true;
-    for (std::size_t i = 0; i < width; ++i)
-      same = same && byte_at(frame, at + static_cast<std::ptrdiff_t>(i)) == bytes[i];
-    field.evidence.add(same);
-  }
+  for (const ByteView frame : frames)
+    field.evidence.add(std::ranges::equal(columns_of(frame, at, width), bytes));
   return field;
 }
 

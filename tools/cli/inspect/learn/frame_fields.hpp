@@ -3,7 +3,7 @@
 #pragma once
 
 #include "tools/cli/inspect/learn/checksum_search.hpp"
-#include "tools/cli/inspect/learn/learned_field.hpp"
+#include "tools/cli/inspect/learn/proposal.hpp"
 
 namespace fieldcast::learn {
 
@@ -49,6 +49,12 @@ class FrameFields {
   std::set<std::ptrdiff_t> covered_;  // the first columns of what lengths and the checksum cover
   std::vector<LearnedField> fields_;
 };
+
+// Divides texts into numbers, other values and constants: the fields in the columns from `at` on and
+// before the last `end_size` ones; their positions are those of the first frame. Empty if the frames
+// have no common form.
+[[nodiscard]] std::vector<LearnedField> text_values(const Frames& frames, std::size_t at,
+                                                    std::size_t end_size);
 
 [[nodiscard]] LearnedField constant_field(ByteView bytes, std::ptrdiff_t at);
 // As a declaration names it: "address".

@@ -7,24 +7,21 @@
 #include "core/codec/digits.hpp"
 
 namespace fieldcast::learn {
-namespace {
 
-ByteView part(ByteView frame, std::ptrdiff_t at, std::size_t width) {
+ByteView columns_of(ByteView frame, std::ptrdiff_t at, std::size_t width) {
   if (at < 0) at += static_cast<std::ptrdiff_t>(frame.size());
   const bool inside = at >= 0 && static_cast<std::size_t>(at) + width <= frame.size();
   return inside ? frame.subspan(static_cast<std::size_t>(at), width) : ByteView{};
 }
 
-}  // namespace
-
 std::optional<std::uint8_t> byte_at(ByteView frame, std::ptrdiff_t at) {
-  const ByteView byte = part(frame, at, 1);
+  const ByteView byte = columns_of(frame, at, 1);
   return byte.empty() ? std::nullopt : std::optional(byte.front());
 }
 
 std::optional<std::uint64_t> number_at(ByteView frame, std::ptrdiff_t at,
                                        const declared::Word& word) {
-  const ByteView characters = part(frame, at, word.characters);
+  const ByteView characters = columns_of(frame, at, word.characters);
   return characters.empty() ? std::nullopt : declared::read_word(characters, word);
 }
 
@@ -42,9 +39,8 @@ std::set<std::uint8_t> values_in(const Frames& frames, std::ptrdiff_t at, std::p
 std::size_t different(const Frames& frames, std::ptrdiff_t at, std::ptrdiff_t end) {
   std::set<Bytes> values;
   for (const ByteView frame : frames) {
-    Bytes value;
-    for (std::ptrdiff_t i = at; i < end; ++i) value.push_back(byte_at(frame, i).value_or(0));
-    values.insert(std::move(value));
+    const ByteView value = columns_of(frame, at, static_cast<std::size_t>(end - at));
+    values.emplace(value.begin(), value.end());
   }
   return values.size();
 }

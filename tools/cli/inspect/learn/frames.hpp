@@ -20,6 +20,8 @@ struct Evidence {
   void add(bool held) { ++of, holds += held ? 1 : 0; }
 };
 
+// Empty beyond the frame.
+[[nodiscard]] ByteView columns_of(ByteView frame, std::ptrdiff_t at, std::size_t width);
 [[nodiscard]] std::optional<std::uint8_t> byte_at(ByteView frame, std::ptrdiff_t at);
 // Empty beyond the frame, or if a character is not a digit.
 [[nodiscard]] std::optional<std::uint64_t> number_at(ByteView frame, std::ptrdiff_t at,

@@ -34,10 +34,8 @@ Groups divided(const Groups& groups, const Key& key) {
 
 Groups divided_by(const Groups& groups, std::ptrdiff_t column, std::ptrdiff_t width = 1) {
   return divided(groups, [&](ByteView request) {
-    Bytes bytes;
-    for (std::ptrdiff_t i = column; i < column + width; ++i)
-      bytes.push_back(byte_at(request, i).value_or(0));
-    return bytes;
+    const ByteView key = columns_of(request, column, static_cast<std::size_t>(width));
+    return Bytes(key.begin(), key.end());
   });
 }
 

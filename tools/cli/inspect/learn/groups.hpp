@@ -4,14 +4,9 @@
 #include <span>
 
 #include "tools/cli/inspect/learn/checksum_search.hpp"
-#include "tools/cli/inspect/learn/exchange_pairing.hpp"
-#include "tools/cli/inspect/learn/learned_field.hpp"
+#include "tools/cli/inspect/learn/proposal.hpp"
 
 namespace fieldcast::learn {
-
-// Limits keep the time bounded: the first kMaxGroups operations, and columns at the start.
-inline constexpr std::size_t kMaxGroups = 24;
-inline constexpr std::ptrdiff_t kMaxHead = 24;
 
 struct Group {
   Frames requests, responses;  // of equal number

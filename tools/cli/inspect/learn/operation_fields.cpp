@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "tools/cli/inspect/learn/frame_fields.hpp"
-#include "tools/cli/inspect/learn/text_values.hpp"
 
 namespace fieldcast::learn {
 namespace {
@@ -16,7 +16,6 @@ using declared::Notation;
 constexpr std::size_t kNeededPacked = 16;  // different bytes
 constexpr std::uint64_t kMaxItem = 0xFE00'0000;
 constexpr std::uint64_t kMaxAreaItems = 1 << 24;  // of an area
-constexpr std::ptrdiff_t kMaxFirstShift = 12;
 const char* const kUnknown = "differs, unknown";
 
 const LearnedField* find(const std::vector<LearnedField>& fields, FieldKind kind) {
@@ -184,9 +183,13 @@ class OperationBuilder {
     if (at == request_.limit()) return;
     std::ptrdiff_t last = at + 1;
     while (differs(last)) ++last;
-    made.echo = first_echo(at, last);
+    const auto repeated = [&](std::ptrdiff_t column) {
+      return echo_of({&group_, 1}, column, roles_.shift).holds_mostly();
+    };
+    const auto run = std::views::iota(at, last);
+    if (std::ranges::all_of(run, repeated)) made.echo = roles_.shift;
     const auto is_echo = [&](std::ptrdiff_t column) {
-      return made.echo && free(column) && echo_of({&group_, 1}, column, *made.echo).holds_mostly();
+      return made.echo && free(column) && repeated(column);
     };
     const auto is_digit = [&](std::ptrdiff_t column) {
       return text_ && free(column) && are_digits(group_.requests, column, column + 1, 10);
@@ -212,19 +215,6 @@ class OperationBuilder {
         made.width > 1 && values_at(group_.requests, made.at).size() >
                               values_at(group_.requests, made.end() - 1).size();
     if (made.word.little_endian) made.note = "byte order by the byte that differs most: a guess";
-  }
-
-  // The response may repeat the item at another distance than the address.
-  [[nodiscard]] std::optional<std::ptrdiff_t> first_echo(std::ptrdiff_t at,
-                                                         std::ptrdiff_t end) const {
-    for (std::ptrdiff_t i = 0; i <= 2 * kMaxFirstShift; ++i) {
-      const std::ptrdiff_t shift = roles_.shift + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
-      bool all = true;
-      for (std::ptrdiff_t column = at; column < end; ++column)
-        all = all && echo_of({&group_, 1}, column, shift).holds_mostly();
-      if (all) return shift;
-    }
-    return std::nullopt;
   }
 
   // The items that the request can name. Beyond the first 65536 the area begins near them.

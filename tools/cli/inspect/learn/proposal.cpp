@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/cli/inspect/learn/operation_fields.hpp"
+
 namespace fieldcast::learn {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "tools/cli/inspect/learn/proposal_text.hpp"
-
 #include <fmt/format.h>
 
 #include "core/base/message_text.hpp"

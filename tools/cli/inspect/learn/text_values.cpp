@@ -1,5 +1,3 @@
-#include "tools/cli/inspect/learn/text_values.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
