@@ -588,6 +588,88 @@ TEST(Learn, WritesAreComments) {
   EXPECT_THAT(declaration_text(proposal), HasSubstr("  # operation 2, 12 exchanges: "));
 }
 
+// Modbus RTU in other frames.
+class OtherFrames : public testing::Test {
+ protected:
+  using Change = std::function<Bytes(const Bytes&)>;
+  std::shared_ptr<const Declaration> learned(const Change& request, const Change& response) {
+    Plant rtu("modbus-rtu-declared"), plant("modbus-rtu-declared");
+    read_all(rtu, {"1", "2", "17"}, {"holding"}, {0, 100, 0xC0, 0xDB7D, 0x1010}, {1, 2, 10, 16});
+    (void)rtu.learned();
+    for (const Exchange& each : rtu.exchanges)
+      plant.take(request(each.request), response(each.response));
+    proposal_ = plant.learned();
+    const auto made = declared_by(proposal_);
+    EXPECT_EQ(explained_by(*made, plant.exchanges).holds, 2 * plant.exchanges.size());
+    EXPECT_EQ(made->operations.size(), 1u);
+    return made;
+  }
+  Proposal proposal_;
+};
+
+const Lines kRtuRequest{"0 address 1b", "1 fixed 03", "2 first 2b", "4 count 2b",
+                        "6 checksum 2b< of 0..6 kind 3 complement 0 crc 16/8005/FFFF/0/truetrue"};
+
+TEST_F(OtherFrames, EscapedFrames) {
+  const std::tuple<declared::Escape, Bytes, Bytes> kForms[] = {
+      {declared::Escape::kDle, {0x10, 0x02}, {0x10, 0x03}},
+      {declared::Escape::kSlip, {0xC0}, {0xC0}},
+      {declared::Escape::kCobs, {}, {0x00}},
+      {declared::Escape::kHdlc, {0x7E}, {0x7E}}};
+  for (const auto& [escape, begin, end] : kForms) {
+    const auto framed = [&](const Bytes& plain) {
+      Bytes frame = begin;
+      append(frame, declared::escaped(escape, plain));
+      append(frame, end);
+      return frame;
+    };
+    const auto made = learned(framed, framed);
+    EXPECT_EQ(made->operations.at(0).request.escape, escape) << proposal_.escape;
+    const Lines lines = lines_of(made->operations[0], false);
+    ASSERT_EQ(lines.size(), kRtuRequest.size() + 1 + (begin.empty() ? 0 : 1)) << proposal_.escape;
+    EXPECT_EQ(lines.back(), fmt::format("{} fixed {}", begin.size() + 8, to_hex(end)));
+    EXPECT_THAT(lines[lines.size() - 2], HasSubstr("checksum 2b<"));
+  }
+}
+
+TEST_F(OtherFrames, WakeUpBytesAreNotFields) {
+  std::size_t count = 0;
+  const auto awake = [&](const Bytes& plain) {
+    Bytes frame(++count % 3, 0xFF);
+    append(frame, plain);
+    return frame;
+  };
+  const auto made = learned([](const Bytes& plain) { return plain; }, awake);
+  EXPECT_EQ(lines_of(made->operations.at(0), false), kRtuRequest);
+  EXPECT_THAT(proposal_.notes, testing::Contains(HasSubstr("which the bridge skips")));
+}
+
+// An RS-485 adapter that receives what it sends.
+TEST(Learn, EchoesAreNotFields) {
+  Plant rtu("modbus-rtu-declared"), plant("modbus-rtu-declared");
+  read_all(rtu, {"1", "2", "17"}, {"holding"}, {0, 100, 300, 4000}, {1, 2, 10});
+  (void)rtu.learned();
+  for (const Exchange& each : rtu.exchanges) {
+    Bytes echoed = each.request;
+    append(echoed, each.response);
+    plant.take(each.request, echoed);
+  }
+  expect_same(*declared_by(plant), plant.declaration(), {"read holding registers"});
+}
+
+// Five items in turn are not a sequence number.
+TEST(Learn, ItemsInTurnAreNotASequence) {
+  Plant plant("dlt645-2007");
+  for (int i = 0; i < 8; ++i) {
+    plant.use("398192000337");
+    for (const std::uint32_t first : {0u, 1u, 2u, 3u, 4u}) plant.read({"energy", first});
+  }
+  const auto learned = declared_by(plant);
+  ASSERT_FALSE(learned->operations.empty());
+  for (const auto& field : learned->operations[0].request.fields)
+    EXPECT_NE(field.kind, FieldKind::kSequence);
+}
+
 // Scales that send by themselves.
 TEST(Learn, FramesWithoutARequest) {
   ExchangePairing pairing;

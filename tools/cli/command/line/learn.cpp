@@ -38,6 +38,7 @@ class LearnedInput {
                                    counted(pairing_.frames(), "frame", "frames"),
                                    bus_ ? printable(*bus_) : "no bus", pairing_.without_response());
     if (others_ > 0) text += fmt::format("; {} of other buses or without a direction", others_);
+    if (pairing_.echoes()) text += "; each response begins with its request, an echo";
     if (pairing_.left_out() > 0) text += fmt::format("; {} left out", pairing_.left_out());
     return text;
   }

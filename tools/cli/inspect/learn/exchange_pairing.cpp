@@ -33,7 +33,21 @@ std::vector<Exchange> ExchangePairing::finish() {
     std::erase_if(exchanges_, [&](const Exchange& each) { return !asked(each); });
     left_out_ += before - exchanges_.size();
   }
+  drop_echoes();
   return std::move(exchanges_);
+}
+
+void ExchangePairing::drop_echoes() {
+  constexpr std::size_t kLeast = 4;  // bytes of a request
+  const auto is_echo = [](const Exchange& each) {
+    return each.request.size() >= kLeast && each.response.size() > each.request.size() &&
+           std::equal(each.request.begin(), each.request.end(), each.response.begin());
+  };
+  if (exchanges_.empty() || !std::ranges::all_of(exchanges_, is_echo)) return;
+  echoes_ = true;
+  for (Exchange& each : exchanges_)
+    each.response.erase(each.response.begin(),
+                        each.response.begin() + static_cast<std::ptrdiff_t>(each.request.size()));
 }
 
 }  // namespace fieldcast::learn

@@ -30,10 +30,16 @@ class ExchangePairing {
   [[nodiscard]] std::size_t without_response() const { return without_response_; }
   [[nodiscard]] std::size_t left_out() const { return left_out_; }  // beyond a limit
 
+  // The adapter receives what it sends: each response began with its request, which is left out.
+  [[nodiscard]] bool echoes() const { return echoes_; }
+
  private:
+  void drop_echoes();
+
   std::vector<Exchange> exchanges_;
   std::set<Exchange> known_;
   Bytes request_;  // waits for its response
+  bool echoes_ = false;
   std::size_t frames_ = 0, without_response_ = 0, left_out_ = 0;
 };
 

@@ -74,7 +74,7 @@ bool is_counter(const Frames& requests, std::ptrdiff_t at) {
     const auto before = byte_at(requests[i - 1], at), now = byte_at(requests[i], at);
     if (before && now) steps.add(static_cast<std::uint8_t>(*before + 1) == *now);
   }
-  return steps.of >= 6 && steps.holds * 10 >= steps.of * 8;
+  return steps.of >= 6 && steps.holds_mostly();
 }
 
 class Finder {

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "tools/cli/inspect/learn/operation_fields.hpp"
+#include "tools/cli/inspect/learn/plain_frames.hpp"
 
 namespace fieldcast::learn {
 namespace {
@@ -27,7 +30,10 @@ std::size_t drop_outliers(Group& group, bool text) {
 
 class Learner {
  public:
-  explicit Learner(const std::vector<Exchange>& exchanges) : found_(group_exchanges(exchanges)) {
+  explicit Learner(const std::vector<Exchange>& exchanges)
+      : plain_(plain_frames(exchanges)), found_(group_exchanges(plain_.exchanges)) {
+    if (plain_.lead) note("responses begin with bytes FE, FF or 00, which the bridge skips");
+    out_.escape = plain_.escape;
     if (exchanges.size() < 8) note("few different exchanges: read more items, of several devices");
     out_.text = found_.roles.text;
   }
@@ -37,6 +43,7 @@ class Learner {
     std::size_t dropped = 0;
     for (Group& group : found_.groups) dropped += drop_outliers(group, out_.text);
     find_operations();
+    refuse_equal_requests();
     set_addresses();
     if (dropped > 0)
       note(fmt::format("{} exchanges have another length: refusals, or broken frames", dropped));
@@ -82,6 +89,29 @@ class Learner {
     }
   }
 
+  // The bridge could not distinguish their responses. Unknown fields are sent as 0.
+  void refuse_equal_requests() {
+    std::map<std::string, std::string> known;
+    for (LearnedOperation& operation : out_.operations) {
+      if (!operation.refusal.empty() || operation.request.empty()) continue;
+      std::string sent;
+      for (const LearnedField& field : operation.request) {
+        if (field.kind == FieldKind::kConstant)
+          sent.append(field.constant.begin(), field.constant.end());
+        else if (field.kind == FieldKind::kUnused)
+          sent.append(field.width, '\0');
+        else if (field.kind == FieldKind::kCommand)
+          sent += static_cast<char>(*operation.command);
+        else
+          sent += fmt::format("<{} {}>", static_cast<int>(field.kind), field.width);
+      }
+      const auto [first, is_new] = known.try_emplace(sent, operation.name);
+      if (!is_new)
+        operation.refusal =
+            fmt::format("its requests are those of {} as far as they are known", first->second);
+    }
+  }
+
   void set_addresses() {
     const LearnedField& address = found_.roles.address;
     if (address.width == 0)
@@ -96,6 +126,7 @@ class Learner {
     if (!address.note.empty()) note("address: " + address.note);
   }
 
+  const PlainFrames plain_;
   Grouping found_;
   Proposal out_;
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "tools/cli/inspect/learn/exchange_pairing.hpp"
 #include "tools/cli/inspect/learn/length_rule.hpp"
@@ -51,6 +52,7 @@ struct LearnedOperation {
 
 struct Proposal {
   bool text = false;
+  std::string_view escape;  // of the frames; empty: none
   std::vector<LearnedOperation> operations;
   std::uint64_t lowest_address = 1, highest_address = 1;  // 1 to 1: frames have no address
   std::vector<std::string> notes;

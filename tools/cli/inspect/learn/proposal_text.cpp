@@ -134,8 +134,10 @@ std::string declaration_text(const Proposal& proposal) {
   for (const std::string& note : proposal.notes) notes += fmt::format("# {}\n", note);
   return fmt::format(
       "{}summary: Proposed from a capture; check each field against a manual\n"
-      "addresses: {{ from: {}, to: {} }}\nareas:\n{}operations:\n{}",
-      notes, proposal.lowest_address, proposal.highest_address, areas, operations);
+      "addresses: {{ from: {}, to: {} }}\n{}areas:\n{}operations:\n{}",
+      notes, proposal.lowest_address, proposal.highest_address,
+      proposal.escape.empty() ? "" : fmt::format("escape: {}\n", proposal.escape), areas,
+      operations);
 }
 
 }  // namespace fieldcast::learn
