@@ -219,7 +219,8 @@ class Reader {
                                             [](char c) { return static_cast<std::uint8_t>(c); }) ||
                          (index == 0 && is_wake_up(field) && size > field.text.size());
       prove(right, size);
-      return add(at, size, field.name, to_hex(part), right ? "" : "should be " + spelt(field.text));
+      return add(at, size, field.name, spelt(std::string(part.begin(), part.end())),
+                 right ? "" : "should be " + spelt(field.text));
     }
     if (field.text_size != 0) {
       const std::string text(part.begin(), part.end());
@@ -253,13 +254,17 @@ class Reader {
 
   // Decimal digits are shown as numbers, other items as on the wire.
   std::string items(const Field& field, const Bytes& part) const {
-    if (field.word.notation != Notation::kBcd || item_bits_ == 1) return to_hex(part);
+    const bool digits =
+        field.word.notation == Notation::kHex || field.word.notation == Notation::kDecimal;
+    if (!digits && (field.word.notation != Notation::kBcd || item_bits_ == 1)) return to_hex(part);
     std::string text;
     for (std::size_t at = 0; at + field.word.characters <= part.size();
          at += field.word.characters) {
-      const auto number = read_word(ByteView(part).subspan(at, field.word.characters), field.word);
+      const auto item = ByteView(part).subspan(at, field.word.characters);
+      const auto number = read_word(item, field.word);
       if (!number) return to_hex(part);
-      text += (text.empty() ? "" : " ") + signed_text(*number, field.word.sign_bits);
+      text += (text.empty() ? "" : " ") + (digits ? std::string(item.begin(), item.end())
+                                                  : signed_text(*number, field.word.sign_bits));
     }
     return text;
   }
@@ -269,22 +274,26 @@ class Reader {
                     : std::to_string(number);
   }
 
-  // Characters, or hexadecimal bytes if one of them cannot be printed.
-  static std::string spelt(const std::string& text) {
-    const bool prints = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
-    return prints ? text : to_hex(Bytes(text.begin(), text.end()));
+  // Characters, or hexadecimal bytes if one of them cannot be printed or the frame is not a text.
+  std::string spelt(const std::string& text) const {
+    const auto prints = [](auto c) { return c >= ' ' && c <= '~'; };
+    const bool in_text = std::ranges::count_if(bytes_, prints) * 2 > std::ssize(bytes_) &&
+                         std::ranges::all_of(bytes_, [](auto c) { return c > 0 && c <= '~'; });
+    return in_text && std::ranges::all_of(text, prints) ? text
+                                                        : to_hex(Bytes(text.begin(), text.end()));
   }
 
   // A value without a numeric meaning is shown as on the wire.
   static std::string spelt(const Field& field, std::uint64_t number) {
     const bool mark = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand ||
                       field.kind == FieldKind::kChecksum;
-    if (!mark || field.word.notation != Notation::kBinary ||
-        field.bits != 8u * field.word.characters)
+    const bool hex = field.word.notation == Notation::kHex;
+    if (!mark || (!hex && field.word.notation != Notation::kBinary) ||
+        field.bits != (hex ? 4u : 8u) * field.word.characters)
       return signed_text(number, field.is_signed ? field.bits : 0);
     Bytes bytes;
     append_word(bytes, field.word, number);
-    return to_hex(bytes);
+    return hex ? std::string(bytes.begin(), bytes.end()) : to_hex(bytes);
   }
 
   void number(const Field& field, std::size_t at, std::size_t size, std::uint64_t number) {

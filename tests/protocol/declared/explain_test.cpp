@@ -67,6 +67,15 @@ TEST(Explain, EscapedFieldsHaveTheirPlacesOnTheWire) {
             "response: read; first 0+2=word:5; items 2+2=00 00; checksum 4+1=05; end 5+1=00");
 }
 
+// Digits that are not a number are shown as on the wire, and marks as characters.
+TEST(Explain, TextFramesAreShownAsText) {
+  const std::string frame = "%01$RD0000E10062\r";
+  EXPECT_EQ(
+      explained(*declaration("panasonic-mewtocol"), to_hex(Bytes(frame.begin(), frame.end()))),
+      "response: read data registers; head 0+1=%; address 1+2=1; done 3+3=$RD; items "
+      "6+8=0000 E100; checksum 14+2=62; end 16+1=0D");
+}
+
 TEST(Explain, AnInvalidEscapeIsAFault) {
   EXPECT_NE(explained(*escaped("slip", "0xC0", "0xC0"), "C0 05 DB 01 00 C0")
                 .find("escape 2+1= !! no escape of a byte"),
