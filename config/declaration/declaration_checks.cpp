@@ -268,9 +268,7 @@ class OperationCheck {
                       [&](const DraftField& other) {
                         return other.field.kind == FieldKind::kLength && other.field.of.holds(i);
                       });
-      const bool ended = i + 1 < frame.fields.size() &&
-                         frame.fields[i + 1].field.kind == FieldKind::kConstant &&
-                         !frame.fields[i + 1].field.variable && !frame.fields[i + 1].shares;
+      const bool ended = declared::mark_behind(frame.frame(), i).has_value();
       needs(measured || ended, frame.fields[i].position,
             fmt::format("no length or mark shows where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");

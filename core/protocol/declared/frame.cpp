@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/codec/digits.hpp"
 #include "core/protocol/declared/scaled.hpp"
 
 namespace fieldcast::declared {
@@ -122,6 +123,23 @@ std::optional<Unescaped> unescape_from(const Frame& frame, std::size_t offset, B
   append(plain, read.plain);
   if (read.ended) append(plain, bytes.subspan(offset + read.used));
   return read;
+}
+
+std::optional<std::size_t> mark_behind(const Frame& frame, std::size_t at) {
+  for (std::size_t i = at + 1; i < frame.fields.size(); ++i) {
+    const Field& field = frame.fields[i];
+    const bool digits =
+        field.word.notation == Notation::kHex || field.word.notation == Notation::kDecimal;
+    if (field.kind == FieldKind::kConstant && !field.variable && field.opens &&
+        (digits || field.bits % 8 == 0)) {
+      const bool among_digits = i > at + 1 && hex_digit(constant_characters(field)[0]) >= 0;
+      return among_digits ? std::nullopt : std::optional(i);
+    }
+    if (!digits || field.kind == FieldKind::kItems || field.text_size != 0 || !field.text.empty() ||
+        !field.key.empty())
+      return std::nullopt;
+  }
+  return std::nullopt;
 }
 
 Bytes constant_characters(const Field& constant) {

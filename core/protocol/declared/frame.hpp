@@ -74,6 +74,10 @@ struct MatchResult {
 // The characters of a constant, without its transform. REQUIRES: it shares no byte.
 [[nodiscard]] Bytes constant_characters(const Field& constant);
 
+// The constant behind the variable text `at`, with only fields in digits between them, which cannot
+// contain it. Empty if there is none.
+[[nodiscard]] std::optional<std::size_t> mark_behind(const Frame& frame, std::size_t at);
+
 // The characters of the value of the field `at` in its block; empty if the block does not contain
 // it.
 [[nodiscard]] std::optional<ByteView> value_in_block(const Frame& frame, std::size_t at,

@@ -214,10 +214,13 @@ class Matcher {
       if (const auto stated = given_size()) {
         size = *stated;
       } else {
-        const Bytes mark = mark_behind(field, fields_[at_ + 1]);
-        const auto end = std::search(rest().begin(), rest().end(), mark.begin(), mark.end());
-        size = static_cast<std::size_t>(end - rest().begin());
-        if (end == rest().end() && size < field.text_size + mark.size()) {
+        const std::size_t at_mark = *mark_behind(frame_, at_);
+        const Bytes mark = mark_as_read(field, fields_[at_mark]);
+        const std::size_t between = size_of(frame_, at_ + 1, at_mark, context_.item_bits, 0);
+        const auto from = rest().subspan(std::min(between, rest().size()));
+        const auto end = std::search(from.begin(), from.end(), mark.begin(), mark.end());
+        size = static_cast<std::size_t>(end - from.begin());
+        if (end == from.end() && size < field.text_size + mark.size()) {
           part();
           result_.missing = 1;
           return false;
@@ -279,7 +282,7 @@ class Matcher {
   }
 
   // The characters of the constant, as they would be read in `field`.
-  static Bytes mark_behind(const Field& field, const Field& constant) {
+  static Bytes mark_as_read(const Field& field, const Field& constant) {
     Bytes mark = constant_characters(constant);
     for (std::uint8_t& each : mark) each = field.transform.meant(constant.transform.sent(each));
     return mark;

@@ -108,14 +108,14 @@ class Reader {
                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
       return there ? field.text.size() : 0;
     }
-    if (field.variable && index + 1 < frame_.fields.size() && at < bytes_.size()) {
-      const Field& next = frame_.fields[index + 1];
-      Bytes mark = next.kind == FieldKind::kConstant ? constant_characters(next) : Bytes{};
-      for (std::uint8_t& each : mark) each = next.transform.sent(each);
-      const auto rest = bytes_.subspan(at);
-      const auto end = mark.empty()
-                           ? rest.end()
-                           : std::search(rest.begin(), rest.end(), mark.begin(), mark.end());
+    const auto at_mark = field.variable ? mark_behind(frame_, index) : std::nullopt;
+    if (at_mark && at < bytes_.size()) {
+      const Field& constant = frame_.fields[*at_mark];
+      Bytes mark = constant_characters(constant);
+      for (std::uint8_t& each : mark) each = constant.transform.sent(each);
+      const std::size_t between = size_of(frame_, index + 1, *at_mark, item_bits_, 0);
+      const auto rest = bytes_.subspan(std::min(at + between, bytes_.size()));
+      const auto end = std::search(rest.begin(), rest.end(), mark.begin(), mark.end());
       if (end != rest.end()) return static_cast<std::size_t>(end - rest.begin());
     }
     if (field.kind == FieldKind::kItems || field.variable) return elastic_;
@@ -201,6 +201,7 @@ class Reader {
     }
     if (field.text_size != 0) {
       const std::string text(part.begin(), part.end());
+      if (size > field.text_size) return add(at, size, field.name, text, "too long");
       return add(at, size, field.name, field.kind == FieldKind::kUnused ? spelt(text) : text);
     }
     const auto word = read_word(part, field.word);

@@ -251,6 +251,43 @@ TEST(DeclaredText, AnOptionalConstantMayBeMissing) {
   EXPECT_EQ(drive(*gauge.begin(request), Bytes(cut.begin(), cut.end())).cause, Cause::kTruncated);
 }
 
+// Digits of a checksum are between the text and the constant that ends the frame.
+constexpr std::string_view kSummed = R"(
+summary: transmitters
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "#" }, { is: address }]
+    answer:
+      - { name: begin, constant: ">" }
+      - { name: level, is: value, text: decimal(8), variable: true }
+      - { is: checksum, kind: sum, of: begin..level, as: hex, digits: 2 }
+      - { name: end, constant: "\r" }
+)";
+
+TEST(DeclaredText, ATextMayEndBeforeDigits) {
+  const Device device = declared_by(kSummed, 1);
+  const Request request = device.read("level", 4);
+  const auto text = [](std::string_view characters) {
+    return Bytes(characters.begin(), characters.end());
+  };
+  const Outcome outcome = drive(*device.begin(request), text(">+7.21162\r"));
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), "2B 37 2E 32 31 31 00 00");
+  EXPECT_TRUE(drive(*device.begin(request), text(">3E\r")).done()) << "an empty text";
+  EXPECT_FALSE(drive(*device.begin(request), text(">+1234567862\r")).done());
+  expect_matrix({.begin = [&] { return device.begin(request); },
+                 .answers = {text(">+7.21162\r")},
+                 .checked = true});
+  const auto fields =
+      declared::explain(*config::load_declaration_text(kSummed, "t")->value, text(">+7.21162\r"));
+  EXPECT_TRUE(std::ranges::any_of(fields, [](const FrameField& field) {
+    return field.name == "level" && field.value == "+7.211" && field.fault.empty();
+  }));
+}
+
 constexpr std::string_view kDrive = R"(
 summary: drives with names
 addresses: { text: 4 }

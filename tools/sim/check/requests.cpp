@@ -8,6 +8,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/protocol/declared/frame.hpp"
+
 namespace fieldcast::sim {
 
 Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subject.protocol()) {
@@ -60,8 +62,9 @@ bool describe(const declared::Frame& frame, Slot& slot) {
     slot.text_bytes = field.text_size;
     if (field.text_size == 0) slot.largest = declared::largest(field.word);
     if (field.scaled()) describe_scaled(frame, field, slot);
-    if (!field.variable || i + 1 == frame.fields.size()) continue;
-    const declared::Field& next = frame.fields[i + 1];
+    const auto mark = field.variable ? declared::mark_behind(frame, i) : std::nullopt;
+    if (!mark) continue;
+    const declared::Field& next = frame.fields[*mark];
     slot.end_of_text = next.text.empty() ? static_cast<std::uint8_t>(next.number)
                                          : static_cast<std::uint8_t>(next.text[0]);
   }
