@@ -187,7 +187,10 @@ void resolve_scaled(DraftFrame& frame, std::size_t at, FaultList& faults) {
   bool any = false;
   for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
     Field& value = frame.fields[i].field;
-    if (value.kind != FieldKind::kValue) continue;
+    const bool exponent = value.kind == FieldKind::kExponent || value.kind == FieldKind::kDecimals;
+    const bool signs_exponent = exponent && draft.field.kind == FieldKind::kSign &&
+                                draft.field.of.from == draft.field.of.to;
+    if (value.kind != FieldKind::kValue && !signs_exponent) continue;
     auto& target = draft.field.kind == FieldKind::kSign ? value.sign : value.exponent;
     any = true;
     if (target)

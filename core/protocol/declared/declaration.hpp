@@ -40,7 +40,7 @@ enum class FieldKind : std::uint8_t {
   kSequence,  // counts exchanges; the response repeats it
   kExponent,  // power of ten of the values `of`, plus `plus`
   kDecimals,  // number of decimals of the values `of`, plus `plus`
-  kSign,      // `on` if the values `of` are negative, else sent as `off`
+  kSign,      // `on` if the values or the exponent `of` are negative, else sent as `off`
   kUnused,    // sent as `number`; ignored on reception
 };
 
@@ -78,11 +78,14 @@ struct Field {
   std::int64_t plus = 0;
   Span of;
   Check check;
-  std::uint64_t on = 1, off = 0;               // values of a bit that has its own word
-  bool packed = false;                         // eight bit items per byte, the first lowest
-  std::uint16_t place = 0;                     // of a value: its first item in the record
-  std::optional<std::uint8_t> exponent, sign;  // of a value: the fields that scale and sign it
-  [[nodiscard]] constexpr bool scaled() const { return exponent || sign; }
+  std::uint64_t on = 1, off = 0;  // values of a bit that has its own word
+  bool packed = false;            // eight bit items per byte, the first lowest
+  std::uint16_t place = 0;        // of a value: its first item in the record
+  // Of a value: the fields that scale and sign it. An exponent may have a sign, too.
+  std::optional<std::uint8_t> exponent, sign;
+  [[nodiscard]] constexpr bool scaled() const {
+    return kind == FieldKind::kValue && (exponent || sign);
+  }
   friend bool operator==(const Field&, const Field&) = default;
 };
 

@@ -179,7 +179,12 @@ std::optional<Decimal> scaled_value(const Frame& frame, std::size_t at, ByteView
     const Field& field = frame.fields[*value.exponent];
     const auto number = number_at(frame, *value.exponent, bytes, starts);
     if (!number) return std::nullopt;
-    const std::int64_t exponent = signed_number(field, *number) - field.plus;
+    std::int64_t exponent = signed_number(field, *number);
+    if (field.sign) {
+      const auto sign = number_at(frame, *field.sign, bytes, starts);
+      if (sign == frame.fields[*field.sign].on) exponent = -exponent;
+    }
+    exponent -= field.plus;
     if (exponent < -kMostExponent || exponent > kMostExponent) return std::nullopt;
     decimal->exponent +=
         static_cast<int>(field.kind == FieldKind::kDecimals ? -exponent : exponent);
@@ -199,7 +204,7 @@ ExponentRange exponents_of(const Field& exponent) {
                 std::uint64_t{1} << 40});
   const std::int64_t high = static_cast<std::int64_t>(most) - exponent.plus;
   const std::int64_t low =
-      (exponent.is_signed ? -static_cast<std::int64_t>(most) : 0) - exponent.plus;
+      (exponent.is_signed || exponent.sign ? -static_cast<std::int64_t>(most) : 0) - exponent.plus;
   const auto limited = [](std::int64_t number) {
     return static_cast<int>(std::clamp<std::int64_t>(number, -kMostExponent, kMostExponent));
   };
@@ -232,9 +237,13 @@ std::optional<Numbers> scaled_numbers(const Frame& frame, ByteView items, std::u
     const auto exponent = fit(frame, values_scaled_by(frame, i), decimals,
                               sends ? exponents_of(field) : ExponentRange{}, numbers);
     if (!exponent) return std::nullopt;
-    if (sends)
-      numbers[i] = static_cast<std::uint64_t>(
-          (field.kind == FieldKind::kDecimals ? -*exponent : *exponent) + field.plus);
+    if (!sends) continue;
+    const std::int64_t sent =
+        (field.kind == FieldKind::kDecimals ? -*exponent : *exponent) + field.plus;
+    numbers[i] = static_cast<std::uint64_t>(field.sign ? std::abs(sent) : sent);
+    if (!field.sign) continue;
+    const Field& sign = frame.fields[*field.sign];
+    numbers[*field.sign] = sent < 0 ? sign.on : sign.off;
   }
   return numbers;
 }

@@ -51,6 +51,24 @@ TEST(Dlt645, ReadsTheForwardEnergyOfAPublishedExchange) {
   EXPECT_FALSE(drive(*other.begin(other.read("energy:10000", 1)), response).done());
 }
 
+// Sources: Go packages for MULTICAL meters on GitHub, tests of their frames: 1234.56 GJ with a byte
+// of the number escaped, and a register with the exponent 17.
+TEST(KamstrupKmp, TheExponentHasASignOfItsOwn) {
+  const Device device = declared_device("kamstrup-kmp", 63);
+  const auto energy = [&](std::string_view response) {
+    const auto outcome = drive(*device.begin(device.read("energy", 13)), bytes_of(response));
+    if (!outcome.done()) return to_text(outcome);
+    const Bytes& items = outcome.reply[0].items;
+    return std::string(items.begin(), std::ranges::find(items, 0));
+  };
+  EXPECT_EQ(energy("40 3F 10 00 3C 08 04 42 00 01 E2 1B BF 7E 4A 0D"), "1234.56");
+  EXPECT_TRUE(energy("40 3F 10 00 1B 7F 16 04 11 01 2A F0 24 63 03 0D").starts_with("failed"));
+  const auto fields = declared::explain(
+      *declaration("kamstrup-kmp"), bytes_of("40 3F 10 00 1B 7F 16 04 11 01 2A F0 24 63 03 0D"));
+  EXPECT_TRUE(std::ranges::any_of(
+      fields, [](const FrameField& field) { return field.value == "1959120400000000000000000"; }));
+}
+
 // Source: esphome-jk-bms, docs/protocol-design-uart-ttl-gps-port.md.
 TEST(JkBms, ReadsThePackOfAPublishedExchange) {
   const Device pack = declared_device("jk-bms", 1);

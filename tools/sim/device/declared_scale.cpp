@@ -76,8 +76,12 @@ void put_together(const Frame& frame, std::size_t at, const declared::ExponentRa
   for (const auto& [i, number] : values) put(frame, i, number, exponent, text);
   const Field& field = frame.fields[at];
   if (!declared::scales(field)) return;
-  const int sent = field.kind == FieldKind::kDecimals ? -exponent : exponent;
-  text.numbers[&field] = static_cast<std::uint64_t>(sent + field.plus);
+  const std::int64_t sent =
+      (field.kind == FieldKind::kDecimals ? -exponent : exponent) + field.plus;
+  text.numbers[&field] = static_cast<std::uint64_t>(field.sign ? std::abs(sent) : sent);
+  if (!field.sign) return;
+  const Field& sign = frame.fields[*field.sign];
+  text.numbers[&sign] = sent < 0 ? sign.on : sign.off;
 }
 
 std::int64_t with_sign(const Field& field, std::uint64_t number) {
@@ -95,7 +99,10 @@ std::string text_of(const Frame& frame, const Field& value, DeclaredText& text) 
   std::int64_t exponent = 0;
   if (value.exponent) {
     const Field& field = frame.fields[*value.exponent];
-    exponent = with_sign(field, text.numbers[&field]) - field.plus;
+    exponent = with_sign(field, text.numbers[&field]);
+    if (field.sign && text.numbers[&frame.fields[*field.sign]] == frame.fields[*field.sign].on)
+      exponent = -exponent;
+    exponent -= field.plus;
     if (field.kind == FieldKind::kDecimals) exponent = -exponent;
   }
   exponent = std::clamp<std::int64_t>(exponent, -20, 20);
