@@ -64,6 +64,7 @@ const Meaning kMeanings[] = {
     {"signed", {FieldKind::kValue, FieldKind::kItems, FieldKind::kExponent, FieldKind::kDecimals}},
     {"fill", {FieldKind::kUnused}},
     {"key", {FieldKind::kValue, FieldKind::kUnused}},
+    {"after", {FieldKind::kValue}},
     {"until", {FieldKind::kValue}},
     {"counts", {FieldKind::kLength}},
 };
@@ -143,6 +144,16 @@ class FieldReader {
     return bytes;
   }
 
+  // Also line breaks, as in constants.
+  std::string read_characters(const Node& node, std::string_view key) {
+    const std::string* text = scalar_of(node, key, "1 to 32 characters", faults_);
+    if (text == nullptr) return {};
+    if (text->empty() || text->size() > 32)
+      faults_.add(node.position, fmt::format("{} is {}", key, text->empty() ? "empty" : "too long"),
+                  "1 to 32 characters");
+    return *text;
+  }
+
   // A value of a block: the characters before it, the DIF and VIF of an M-Bus record, or a tag.
   void read_key() {
     const Node* key = map_.find("key");
@@ -156,11 +167,14 @@ class FieldReader {
   }
 
   void read_tag(const Node* key) {
-    if (map_.find("until") != nullptr)
-      map_.fault("until", "'until' has no meaning behind a tag", "a length of the text");
+    for (const auto* each : {"after", "until"}) {
+      if (map_.find(each) != nullptr)
+        map_.fault(each, fmt::format("'{}' has no meaning behind a tag", each),
+                   "a length of the text");
+    }
     if (key == nullptr) return;
-    draft_.field.key = key->kind == Kind::kList ? read_bytes(*key, "key")
-                                                : TextRule{32}(*key, "key", faults_).value_or("");
+    draft_.field.key =
+        key->kind == Kind::kList ? read_bytes(*key, "key") : read_characters(*key, "key");
   }
 
   void read_record_key(const Node* key) {
@@ -170,17 +184,20 @@ class FieldReader {
     if (key != nullptr && field.kind == FieldKind::kUnused)
       faults_.add(key->position, "an unused field with a key",
                   "blocks: tag-value at the top of the file, or no such field");
-    if (until != nullptr && (key == nullptr || !is_text))
-      map_.fault("until", "'until' belongs to a text with a key", "key: and text:");
+    const Node* after = map_.find("after");
+    for (const auto* each : {"after", "until"}) {
+      if (map_.has(each) && (key == nullptr || !is_text))
+        map_.fault(each, fmt::format("'{}' belongs to a text with a key", each), "key: and text:");
+    }
     if (key == nullptr) return;
     if ((key->kind == Kind::kList) == is_text && map_.has("text") == is_text)
       faults_.add(key->position, is_text ? "the key of a text is a list" : "the key of a number",
                   "characters for a text, [DIF, VIF] for a number");
     else
-      field.key =
-          is_text ? TextRule{32}(*key, "key", faults_).value_or("") : read_bytes(*key, "key");
+      field.key = is_text ? read_characters(*key, "key") : read_bytes(*key, "key");
     field.until = ")";
-    if (until != nullptr) field.until = TextRule{32}(*until, "until", faults_).value_or("");
+    if (until != nullptr) field.until = read_characters(*until, "until");
+    if (after != nullptr) field.after = read_characters(*after, "after");
     if (!is_text) field.until.clear();
     if (!is_text && field.key.size() == 1)
       faults_.add(key->position, "the key of an M-Bus record has one byte",

@@ -26,10 +26,10 @@ constexpr std::string_view kRound[] = {"name", "command", "request",  // and the
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "frames", "codes", "busy"};
 constexpr std::string_view kField[] = {
-    "name",       "constant", "is",    "bytes",    "bits",   "digits",   "as",
-    "order",      "plus",     "times", "of",       "kind",   "over",     "on",
-    "off",        "ok",       "text",  "variable", "signed", "fill",     "counts",
-    "complement", "add",      "xor",   "key",      "until",  "optional", "start"};
+    "name", "constant", "is",       "bytes", "bits",   "digits",     "as",  "order",
+    "plus", "times",    "of",       "kind",  "over",   "on",         "off", "ok",
+    "text", "variable", "signed",   "fill",  "counts", "complement", "add", "xor",
+    "key",  "until",    "optional", "start", "after"};
 constexpr std::string_view kGroup[] = {"repeat", "fields"};
 
 }  // namespace

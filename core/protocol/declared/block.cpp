@@ -103,7 +103,13 @@ std::optional<ByteView> value_in_block(const Frame& frame, std::size_t at, ByteV
     const std::uint8_t before = from == block.begin() ? 0 : from[-1];
     const bool whole = before != '.' && hex_digit(before) < 0;
     if (!whole) continue;
-    const auto begin = from + static_cast<std::ptrdiff_t>(field.key.size());
+    auto begin = from + static_cast<std::ptrdiff_t>(field.key.size());
+    if (!field.after.empty()) {
+      const auto line = std::find(begin, block.end(), std::uint8_t{'\n'});
+      begin = std::search(begin, line, field.after.begin(), field.after.end(), same);
+      if (begin == line) return std::nullopt;
+      begin += static_cast<std::ptrdiff_t>(field.after.size());
+    }
     const auto end = std::search(begin, block.end(), field.until.begin(), field.until.end(), same);
     if (end == block.end() || end - begin > field.text_size) return std::nullopt;
     return ByteView(begin, end);

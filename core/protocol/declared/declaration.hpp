@@ -72,6 +72,7 @@ struct Field {
   // Of a value in a block: the characters before it, the DIF and VIF of an M-Bus record, or a tag.
   // Fields with a key that follow each other are one block, in which their values have any order.
   std::string key;
+  std::string after;  // characters between the key of a text and its value, with others before them
   std::string until;  // characters behind a text with a key
   std::uint64_t number = 0;
   std::uint32_t times = 1;

@@ -17,7 +17,7 @@ std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t 
   if (!field.text.empty()) return field.text.size();
   if (!field.key.empty()) {  // with the length of a tag, or the end of a line behind a text
     return field.key.size() + 1 +
-           (field.text_size != 0 ? field.text_size + field.until.size() + 2
+           (field.text_size != 0 ? field.text_size + field.after.size() + field.until.size() + 2
                                  : field.word.characters);
   }
   if (field.text_size != 0) return field.text_size;

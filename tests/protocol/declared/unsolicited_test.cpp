@@ -49,6 +49,32 @@ class Station {
 
 using Frames = std::vector<std::string>;
 
+// Source: the library dsmr_parser, test/example_telegrams.py, TELEGRAM_V4_2.
+TEST(DsmrP1, ReadsAPublishedTelegram) {
+  Station meter("dsmr-p1");
+  const std::string telegram =
+      "/KFM5KAIFA-METER\r\n\r\n1-3:0.2.8(42)\r\n0-0:1.0.0(161113205757W)\r\n"
+      "0-0:96.1.1(3960221976967177082151037881335713)\r\n1-0:1.8.1(001581.123*kWh)\r\n"
+      "1-0:1.8.2(001435.706*kWh)\r\n1-0:2.8.1(000000.000*kWh)\r\n1-0:2.8.2(000000.000*kWh)\r\n"
+      "0-0:96.14.0(0002)\r\n1-0:1.7.0(02.027*kW)\r\n1-0:2.7.0(00.000*kW)\r\n0-0:96.7.21(00015)\r\n"
+      "0-0:96.7.9(00007)\r\n1-0:99.97.0(3)(0-0:96.7.19)(000104180320W)(0000237126*s)"
+      "(000101000001W)(2147583646*s)(000102000003W)(2317482647*s)\r\n1-0:32.32.0(00000)\r\n"
+      "1-0:52.32.0(00000)\r\n1-0:72.32.0(00000)\r\n1-0:32.36.0(00000)\r\n1-0:52.36.0(00000)\r\n"
+      "1-0:72.36.0(00000)\r\n0-0:96.13.1()\r\n0-0:96.13.0()\r\n1-0:31.7.0(000*A)\r\n"
+      "1-0:51.7.0(006*A)\r\n1-0:71.7.0(002*A)\r\n1-0:21.7.0(00.170*kW)\r\n1-0:22.7.0(00.000*kW)\r\n"
+      "1-0:41.7.0(01.247*kW)\r\n1-0:42.7.0(00.000*kW)\r\n1-0:61.7.0(00.209*kW)\r\n"
+      "1-0:62.7.0(00.000*kW)\r\n0-1:24.1.0(003)\r\n0-1:96.1.0(4819243993373755377509728609491464)"
+      "\r\n"
+      "0-1:24.2.1(161129200000W)(00981.443*m3)\r\n!6796\r\n";
+  const auto frames = meter.hear(telegram);
+  ASSERT_EQ(frames.size(), 1u);
+  for (const char* value : {"001581.123", "001435.706", "02.027", "00981.443", "0002"})
+    EXPECT_NE(frames[0].find(value), std::string::npos) << value << " in " << frames[0];
+  std::string broken = telegram;
+  broken[broken.find("1581")] = '2';
+  EXPECT_EQ(meter.hear(broken), Frames{});
+}
+
 // Constructed from the tables of Rice Lake, 680 Synergy Plus, 11.3.4, and Mettler-Toledo, Wildcat,
 // Appendix 2: leading zeros are blanks.
 TEST(Toledo, StatusWordASaysWhereThePointIs) {

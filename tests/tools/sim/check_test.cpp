@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
                          });
 
 TEST(SimCheck, DevicesThatAreNeverRequestedPassTheirMatrix) {
-  for (const char* name : {"nmea-0183", "scale-stream", "toledo-continuous"}) {
+  for (const char* name : {"nmea-0183", "scale-stream", "toledo-continuous", "dsmr-p1"}) {
     const auto declaration = config::load_declaration(name);
     ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
     expect_all_pass(subjects_of(*declaration), kOfUnsolicited);
@@ -412,6 +412,46 @@ operations:
                                                          "weather.yaml");
   ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
   expect_all_pass(subjects_of(*declaration));
+}
+
+// VE.Direct protocol (Victron Energy): each value has a line of its own, and all bytes add up to 0.
+TEST(SimCheck, PassesWithKeysThatContainLineBreaks) {
+  expect_all_pass({declared_as(R"(
+summary: solar chargers
+addresses: { from: 1, to: 1 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: block
+    read: state
+    unsolicited: 1s
+    answer:
+      - { name: begin, constant: "\r\nPID\t" }
+      - { name: product, is: value, text: 8, variable: true }
+      - { name: line, constant: "\r" }
+      - { name: voltage, is: value, key: "\nV\t", text: decimal(8), until: "\r" }
+      - { name: panel, is: value, key: "\nVPV\t", text: decimal(8), until: "\r" }
+      - { name: label, constant: "Checksum\t" }
+      - { is: checksum, kind: sum, complement: twos, of: begin..label }
+)")},
+                  kOfUnsolicited);
+}
+
+TEST(SimCheck, PassesWithATextBeforeItsChecksum) {
+  expect_all_pass({declared_as(R"(
+summary: transmitters
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "#" }, { is: address }]
+    answer:
+      - { name: begin, constant: ">" }
+      - { is: address }
+      - { name: level, is: value, text: decimal(8), variable: true }
+      - { is: checksum, kind: sum, of: begin..level, as: hex, digits: 2 }
+      - { name: end, constant: "\r" }
+)")});
 }
 
 TEST(SimCheck, PassesWithTagsOfEitherKind) {

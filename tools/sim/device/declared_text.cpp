@@ -358,7 +358,7 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       }
       const auto found = text.texts.find(&field);
       const std::string content = found == text.texts.end() ? "" : found->second;
-      const std::string line = content.substr(0, content.find('\0')) + field.until;
+      const std::string line = field.after + content.substr(0, content.find('\0')) + field.until;
       const std::string_view between = between_values(fields, i);
       parts[i].insert(parts[i].end(), line.begin(), line.end());
       parts[i].insert(parts[i].end(), between.begin(), between.end());
