@@ -436,6 +436,30 @@ operations:
                   kOfUnsolicited);
 }
 
+// As in the frames of Pylontech batteries: a check of four bits and a length of twelve.
+TEST(SimCheck, PassesWithALengthThatSharesItsBytes) {
+  expect_all_pass({declared_as(R"(
+summary: batteries
+addresses: { from: 2, to: 17 }
+encoding: hex
+bit-order: high-first
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: begin, constant: "~" }, { is: address }, { name: end, constant: "\r" }]
+    answer:
+      - { name: begin, constant: "~" }
+      - { is: address }
+      - { is: unused, bits: 4 }
+      - { is: length, of: flag..cell-3, bits: 12, counts: characters }
+      - { name: flag, is: value }
+      - { repeat: 3, fields: [{ name: cell, is: value, bytes: 2 }] }
+      - { is: checksum, kind: sum, complement: twos, of: address..cell-3, bytes: 2 }
+      - { name: end, constant: "\r" }
+)")});
+}
+
 TEST(SimCheck, PassesWithATextBeforeItsChecksum) {
   expect_all_pass({declared_as(R"(
 summary: transmitters

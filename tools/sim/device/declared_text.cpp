@@ -290,6 +290,7 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
     case FieldKind::kLast: return (text.first + text.count - 1) * field.times + plus;
     case FieldKind::kSequence: return text.sequence;
     case FieldKind::kError: return text.error != 0 ? text.error : field.number;
+    case FieldKind::kLength:
     case FieldKind::kValue:
     case FieldKind::kExponent:
     case FieldKind::kDecimals:
@@ -336,7 +337,7 @@ Bytes tagged(const Frame& frame, const Field& field, const DeclaredText& text) {
   return part;
 }
 
-// Bytes of each field, without lengths and checksums. Parts of a word are in its first field.
+// Bytes of each field, without checksums. Parts of a word are in its first field.
 std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
   std::vector<Bytes> parts(fields.size());
@@ -378,17 +379,18 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
   return parts;
 }
 
-void put_lengths(const Frame& frame, std::size_t items, std::vector<Bytes>& parts) {
+// The numbers of the length fields, from the bytes of the other fields.
+void count_lengths(const Frame& frame, const std::vector<Bytes>& parts, DeclaredText& text) {
   const auto& fields = frame.fields;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (fields[i].kind != FieldKind::kLength) continue;
+  for (const Field& field : fields) {
+    if (field.kind != FieldKind::kLength) continue;
     std::size_t length = 0;
-    for (std::size_t of = fields[i].of.from; of <= fields[i].of.to; ++of) {
-      const bool halved = in_digits(fields[of]) && fields[i].counts == declared::Counts::kBytes;
+    for (std::size_t of = field.of.from; of <= field.of.to; ++of) {
+      const bool halved = in_digits(fields[of]) && field.counts == declared::Counts::kBytes;
       length += halved ? parts[of].size() / 2 : parts[of].size();
     }
-    if (fields[i].counts == declared::Counts::kItems) length = items;
-    parts[i] = characters_of(length + static_cast<std::uint64_t>(fields[i].plus), fields[i].word);
+    if (field.counts == declared::Counts::kItems) length = text.items.size();
+    text.numbers[&field] = length + static_cast<std::uint64_t>(field.plus);
   }
 }
 
@@ -408,8 +410,8 @@ void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
 
 Bytes say(const Frame& frame, unsigned item_bits, DeclaredText text) {
   texts_to_fields(frame, text);
+  count_lengths(frame, parts_of(frame, item_bits, text), text);
   std::vector<Bytes> parts = parts_of(frame, item_bits, text);
-  put_lengths(frame, text.items.size(), parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::uint8_t& byte : parts[i]) byte = frame.fields[i].transform.sent(byte);
   }
