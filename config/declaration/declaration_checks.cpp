@@ -48,7 +48,8 @@ class OperationCheck {
 
   void check_frame(const DraftFrame& frame) {
     for (const DraftField& draft : frame.fields) {
-      if (draft.fits) check_field(frame, draft);  // otherwise a fault was already added
+      // Otherwise a fault was already added, and the width of a shared word may be unknown.
+      if (draft.fits && (frame.good || !draft.shares)) check_field(frame, draft);
     }
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
