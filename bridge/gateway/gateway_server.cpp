@@ -107,6 +107,8 @@ struct GatewayServer::State {
   void open();
   void accept(tcp::socket socket);
   void received(Client& client, ByteView bytes);
+  // A command that is refused immediately has its response in `out`.
+  void submit(Client& client, std::vector<Command> commands, Bytes& out);
   void completed(const CommandResult& result);
   void refuse(const std::string& address, std::string_view reason);
   // Closes the client that has been silent longest; returns false if each has requests in flight.
@@ -179,9 +181,7 @@ void GatewayServer::State::received(Client& client, ByteView bytes) {
   const std::uint64_t before = counters.requests;
   const auto valid = client.session.on_bytes(bytes, now, out, commands);
   if (counters.requests != before) client.last_request = now;
-  for (const Command& command : commands) {
-    if (const auto refused = uses.submit(command)) client.session.on_result(*refused, out);
-  }
+  submit(client, std::move(commands), out);
   client.send(out);
   if (valid) return;
   const std::string requester = client.session.requester();
@@ -189,11 +189,23 @@ void GatewayServer::State::received(Client& client, ByteView bytes) {
   drop(requester);
 }
 
+void GatewayServer::State::submit(Client& client, std::vector<Command> commands, Bytes& out) {
+  while (!commands.empty()) {
+    std::vector<Command> next;
+    for (const Command& command : commands) {
+      if (const auto refused = uses.submit(command)) client.session.on_result(*refused, out, next);
+    }
+    commands.swap(next);
+  }
+}
+
 void GatewayServer::State::completed(const CommandResult& result) {
   const auto client = clients.find(result.requester);
   if (client == clients.end()) return;
   Bytes out;
-  client->second->session.on_result(result, out);
+  std::vector<Command> commands;
+  client->second->session.on_result(result, out, commands);
+  submit(*client->second, std::move(commands), out);
   client->second->send(out);
 }
 

@@ -188,7 +188,7 @@ const Rows<GatewaySpec>& gateway_rows() {
                  .example = "listen: 127.0.0.1:1502"},
                 &GatewaySpec::listen, ListenRule{1502}),
           field({"access", "read",
-                 "`write` also permits functions 5, 6, 15 and 16, to devices with `allow: "
+                 "`write` also permits functions 5, 6, 15, 16, 22 and 23, to devices with `allow: "
                  "[raw-write]`"},
                 &GatewaySpec::writes, ChoiceRule<bool>{kAccess}),
           field({"verify", "false", "each write is read back before its response"},

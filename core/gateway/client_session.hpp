@@ -44,8 +44,9 @@ class ClientSession {
   // the connection must be closed.
   [[nodiscard]] tl::expected<void, FrameFault> on_bytes(ByteView bytes, Instant now, Bytes& out,
                                                         std::vector<Command>& commands);
-  // Appends the response. Ignores a result that is not of a pending request.
-  void on_result(const CommandResult& result, Bytes& out);
+  // Appends the response, or the second command of function 23. Ignores a result that is not of a
+  // pending request.
+  void on_result(const CommandResult& result, Bytes& out, std::vector<Command>& commands);
 
   [[nodiscard]] const std::string& requester() const { return requester_; }
   [[nodiscard]] std::size_t pending() const { return pending_.size(); }
@@ -55,7 +56,14 @@ class ClientSession {
     std::uint16_t transaction = 0;
     std::uint8_t unit = 0;
     ClientRequest request;
+    bool written = false;  // the read of function 23, after its write
   };
+  // The exception that refuses the request, if its unit does not permit it. Sets its row.
+  [[nodiscard]] tl::expected<void, Exception> find_row(ClientRequest& request,
+                                                       const std::string& device) const;
+  // Fails if the written registers are no value of the row.
+  [[nodiscard]] tl::expected<void, Exception> start(Pending pending, const std::string& device,
+                                                    Instant now, std::vector<Command>& commands);
   // The exception that refuses the request, or the command is appended.
   [[nodiscard]] tl::expected<void, Exception> accept(const RequestFrame& frame, Instant now,
                                                      std::vector<Command>& commands);

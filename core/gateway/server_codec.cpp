@@ -84,12 +84,45 @@ tl::expected<std::optional<RequestFrame>, FrameFault> first_frame(ByteView recei
                       *size};
 }
 
+namespace {
+
+constexpr std::uint8_t kMaskWrite = static_cast<std::uint8_t>(Function::kMaskWrite);
+constexpr std::uint8_t kReadWrite = static_cast<std::uint8_t>(Function::kReadWrite);
+constexpr AreaIndex kHolding = 2;  // of modbus::Table
+
+// 16 address(2) and-mask(2) or-mask(2)
+ClientRequest decode_mask_write(ByteView pdu) {
+  ClientRequest request{kMaskWrite, {kHolding, read_u16(pdu, 1), 1}, {pdu.begin() + 5, pdu.end()}};
+  request.mask = static_cast<std::uint16_t>(~read_u16(pdu, 3));
+  return request;
+}
+
+// 17 first(2) quantity(2) first(2) quantity(2) count(1) registers..
+tl::expected<ClientRequest, Exception> decode_read_write(ByteView pdu) {
+  const Range read{kHolding, read_u16(pdu, 1), read_u16(pdu, 3)};
+  const Range written{kHolding, read_u16(pdu, 5), read_u16(pdu, 7)};
+  ClientRequest request{kReadWrite, written, {pdu.begin() + 10, pdu.end()}};
+  // A frame has room for 121 written registers, which is their limit.
+  const std::uint16_t most = modbus::row_of_function(3).most;
+  if (read.count == 0 || read.count > most || written.count == 0 ||
+      request.items.size() != written.count * std::size_t{2})
+    return fault(Exception::kIllegalValue);
+  if (read.end() > 65536 || written.end() > 65536) return fault(Exception::kIllegalAddress);
+  request.then_read = read;
+  return request;
+}
+
+}  // namespace
+
 tl::expected<ClientRequest, Exception> decode(ByteView pdu) {
   const std::uint8_t function = pdu[0];
   const bool write = is_single(function) || function == 15 || function == 16;
-  if (!write && (function < 1 || function > 4)) return fault(Exception::kIllegalFunction);
+  const bool both = function == kMaskWrite || function == kReadWrite;
+  if (!write && !both && (function < 1 || function > 4)) return fault(Exception::kIllegalFunction);
   if (pdu.size() < 5 || pdu.size() != modbus::request_pdu_size(pdu))
     return fault(Exception::kIllegalValue);
+  if (function == kMaskWrite) return decode_mask_write(pdu);
+  if (function == kReadWrite) return decode_read_write(pdu);
   ClientRequest request{function, {}, {}};
   // Areas are in the order of functions 1..4; writes are of coils and holding registers.
   request.range.area = static_cast<AreaIndex>(!write ? function - 1 : holds_bits(function) ? 0 : 2);
@@ -134,6 +167,7 @@ tl::expected<Command, Exception> command_of(const ClientRequest& request,
     const std::string area(modbus::row_of_function(request.function).area);
     command.target = AddressTarget{area + ':' + std::to_string(request.range.first), encoding};
   }
+  command.mask = request.mask;
   if (!request.is_write()) return command;
   const unsigned item_bits = holds_bits(request.function) ? 1 : 16;
   const std::size_t size = image_bytes(item_bits, width);
@@ -157,7 +191,10 @@ Bytes response(const RequestFrame& frame, const ClientRequest& request,
   Bytes pdu{request.function};
   if (request.is_write()) {
     append_u16(pdu, static_cast<std::uint16_t>(request.range.first));
-    if (request.function == static_cast<std::uint8_t>(Function::kWriteCoil))
+    if (request.mask) {
+      append_u16(pdu, static_cast<std::uint16_t>(~*request.mask));
+      append(pdu, request.items);
+    } else if (request.function == static_cast<std::uint8_t>(Function::kWriteCoil))
       append_u16(pdu, request.items[0] != 0 ? kCoilOn : 0);
     else if (is_single(request.function))
       append(pdu, request.items);

@@ -44,14 +44,19 @@ enum class FrameFault : std::uint8_t { kProtocol, kLength };
 // The frame at the start of `received`; empty if more bytes are needed.
 [[nodiscard]] tl::expected<std::optional<RequestFrame>, FrameFault> first_frame(ByteView received);
 
-// Functions 1-6, 15 and 16.
+// Functions 1-6, 15, 16, 22 and 23.
 struct ClientRequest {
   std::uint8_t function = 0;
-  Range range;                      // the area is a modbus::Table
-  Bytes items;                      // the image of a write; empty for a read
-  const GatewayRow* row = nullptr;  // that contains the range; null: of the device's own Modbus
+  Range range;  // the area is a modbus::Table
+  Bytes items;  // the image of a write; empty for a read
+  // Function 22: the bits that change. The response repeats both masks.
+  std::optional<std::uint16_t> mask{};
+  std::optional<Range> then_read{};  // function 23: `range` is written before
+  const GatewayRow* row = nullptr;   // that contains the range; null: of the device's own Modbus
 
   [[nodiscard]] bool is_write() const { return !items.empty(); }
+  // REQUIRES: then_read.
+  [[nodiscard]] ClientRequest second() const { return {function, *then_read, {}}; }
 };
 [[nodiscard]] tl::expected<ClientRequest, Exception> decode(ByteView pdu);
 

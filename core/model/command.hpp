@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -39,6 +40,8 @@ struct Command {
   // kAcquire of an address: number of consecutive values; for a bit, of consecutive bits.
   std::uint32_t count = 1;
   bool verify = false;       // read back after the write
+  // kWrite of one value: only these bits change, in one request (Modbus function 22).
+  std::optional<std::uint16_t> mask = std::nullopt;
   Instant expires = kNever;  // latest start
   std::string subject;       // requester by its certificate; empty without DDS Security
   bool gateway = false;      // of a Modbus TCP client, see GatewaySpec

@@ -43,6 +43,7 @@ struct Area {
   std::uint16_t alignment = 1;
   bool bit_write = false;   // one bit of an item can be written without changing the others
   bool byte_write = false;  // the same for eight bits, from a multiple of eight
+  bool mask_write = false;  // the same for any bits (WriteRequest::mask)
   // Default of the family: order of the items of a value, and of the characters in an item.
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder text_order = ByteOrder::kBigEndian;
@@ -93,6 +94,8 @@ struct WriteRequest {
   // Selects a form whose response cannot equal its request, as an echo would.
   bool distinct_response = false;
   unsigned bits = 1;  // with `bit`: number of bits from there; 8 only with Area::byte_write
+  // Only these bits of the item change; only with Area::mask_write.
+  std::optional<std::uint16_t> mask = std::nullopt;
 };
 // Writes, then reads, in one round (Modbus function 23); only with Traits::write_read.
 struct WriteReadRequest {

@@ -367,6 +367,44 @@ TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
 }
 
+TEST_F(RawCommandTest, BitsOfAMaskAreOneRequestAndReadBackAlone) {
+  use("modbus-rtu");
+  Command command = raw("holding:5", {ValueType::kUint16}, {std::uint64_t{0x25}});
+  command.mask = 0x000F;
+  command.verify = true;
+  auto job = make(command);
+  ASSERT_TRUE(job) << job.error().reason;
+  EXPECT_FALSE(job->batchable());
+  const auto write = std::get<WriteRequest>(*job->next());
+  EXPECT_EQ(write.mask, 0x000F);
+  Bytes frame;
+  (void)protocol_->begin(write, {})->start(frame);
+  EXPECT_EQ(to_hex(ByteView(frame).first(8)), "01 16 00 05 FF F0 00 25");
+  job->responded({{}});
+  EXPECT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
+  auto other = *job;
+  job->responded(items({0x12, 0x35}));
+  EXPECT_EQ(result(*job).state, CommandState::kVerified) << "the other bits are those of before";
+  other.responded(items({0x00, 0x24}));
+  EXPECT_EQ(result(other).cause, Cause::kNotVerified);
+}
+
+TEST_F(RawCommandTest, AProtocolWithoutMasksRejectsThem) {
+  const std::pair<const char*, const char*> kRejected[] = {
+      {"omron-hostlink", "DM5"}, {"modbus-rtu", "file:4:1"}, {"modbus-rtu", "coil:4"}};
+  for (const auto& [protocol, at] : kRejected) {
+    use(protocol);
+    const bool bits = std::string_view(at).starts_with("coil");
+    Command command = bits ? raw(at, {ValueType::kBool}, {true})
+                           : raw(at, {ValueType::kUint16}, {std::uint64_t{0x25}});
+    command.mask = 0x000F;
+    EXPECT_EQ(why_not(command), "this protocol writes no bits by a mask") << at;
+  }
+  Command two = raw("holding:5", {ValueType::kUint16}, {std::uint64_t{1}, std::uint64_t{2}});
+  two.mask = 1;
+  EXPECT_EQ(why_not(two), "this protocol writes no bits by a mask");
+}
+
 TEST_F(RawCommandTest, TheOrderOfTheFamilyHolds) {
   use("mitsubishi-fx");
   auto job = make(raw("D0", {ValueType::kUint32}, {std::uint64_t{0x12345678}}));

@@ -52,11 +52,13 @@ void run_one(ByteView data) {
     if (!session.on_bytes(part, Instant{}, out, commands)) break;
     rest = rest.subspan(part.size());
     require(session.pending() <= ClientSession::kMaxPending);
-    for (const Command& command : commands) {
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+      const Command command = commands[i];
       require(units.at(command.device == "one" ? 1 : 17) == command.device);
       require(spec.writes || command.is_gateway_read());
+      require(!command.mask || command.device == "one");
       require(command.values.size() <= command.count && command.count <= kMaxGatewayValues);
-      if (command.request_id % 5 != 0) session.on_result(result_of(command), out);
+      if (command.request_id % 5 != 0) session.on_result(result_of(command), out, commands);
     }
     if (commands.size() > 4) commands.clear();
   }

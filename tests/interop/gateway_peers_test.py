@@ -125,6 +125,20 @@ class GatewayPeersTest(InAFolder):
             self.assertIn("gateway 127.0.0.1:", audit.out, audit)
             self.assertIn("line/device at holding:100", audit.out, audit)
 
+    def test_masks_and_reads_behind_writes_reach_the_device(self):
+        with self.gateway("1s") as port:
+            client = PymodbusClient(port, UNIT)
+            self.assertIs(client.write("holding", 4, 0x12), True)
+            self.assertFalse(client.mask(4, 0xF2, 0x25).isError())
+            self.assertEqual(client.read("holding", 4, 1), [0x17], "the example of the standard")
+            self.assertEqual(client.swap(3, 3, 5, 0xFF, 0x0ACD).registers, [1003, 0x17, 0xFF])
+            self.assertEqual(client.read("holding", 6, 1), [0x0ACD])
+            self.assertEqual(client.mask(500, 0xF2, 0x25).exception_code, 2)
+            self.assertEqual(client.swap(500, 1, 5, 1).exception_code, 2, "it is written before it is read")
+            self.assertEqual(client.read("holding", 5, 1), [1])
+            client.close()
+            self.assertEqual(self.raw(port, "00 07 00 00 00 08 07 16 00 04 FF F0 12 34"), "00 07 00 00 00 08 07 16 00 04 ff f0 12 34")
+
     def test_a_plc_of_another_protocol_is_a_modbus_unit(self):
         with contextlib.ExitStack() as stack:
             domain, claim = claim_domain()
@@ -149,6 +163,8 @@ class GatewayPeersTest(InAFolder):
             for request, response in (
                 ("00 01 00 00 00 06 01 03 00 32 00 01", "00 01 00 00 00 03 01 83 02"),  # in no row
                 ("00 02 00 00 00 06 01 03 00 65 00 01", "00 02 00 00 00 03 01 83 02"),  # half a number
+                ("00 03 00 00 00 08 01 16 00 04 00 F2 00 25", "00 03 00 00 00 03 01 96 01"),  # no mask
+                ("00 04 00 00 00 0D 01 17 00 28 00 02 00 29 00 01 02 00 FF", "00 04 00 00 00 07 01 17 04 00 0b 00 ff"),
             ):
                 self.assertEqual(self.raw(port, request), response)
 

@@ -215,9 +215,11 @@ class PymodbusClient:
     """A client by pymodbus. Modbus TCP at 127.0.0.1."""
 
     def __init__(self, port, unit, timeout=5):
+        import pymodbus
         from pymodbus.client import ModbusTcpClient
 
         self.unit = unit
+        self.other = {"unit" if pymodbus.__version__.startswith("3.0") else "slave": unit}  # of functions 22 and 23
         self.client = ModbusTcpClient("127.0.0.1", port=port, timeout=timeout, retries=0)
         if not self.client.connect():
             raise AssertionError(f"pymodbus does not connect to port {port}")
@@ -237,6 +239,13 @@ class PymodbusClient:
         else:
             response = self.client.write_registers(first, list(values), slave=self.unit)
         return str(response) if response.isError() else True
+
+    def mask(self, address, keep, change):
+        return self.client.mask_write_register(address=address, and_mask=keep, or_mask=change, **self.other)
+
+    def swap(self, first, count, written, *values):
+        named = {"values": list(values)} if "slave" in self.other else {"write_registers": list(values)}
+        return self.client.readwrite_registers(read_address=first, read_count=count, write_address=written, **named, **self.other)
 
     def close(self):
         self.client.close()

@@ -230,6 +230,9 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
     append(image_, *items);
   }
   const CommandSubject& first = subjects_.front();
+  const bool one_word = subjects_.size() == 1 && image_.size() == 2;
+  if (command_.mask && !(one_word && area(first.range).mask_write))
+    return fault(Cause::kUnsupported, "this protocol writes no bits by a mask");
   if (is_part(first.encoding, area(first.range).item_bits)) {
     if (subjects_.size() > 1)
       return fault(Cause::kUnsupported, "bits of a word are written one at a time");

@@ -17,7 +17,7 @@ std::string error_text(Cause cause, std::uint16_t code, const Traits& traits) {
 WriteRequest CommandJob::write_request() const {
   Range whole = subjects_.front().range;
   whole.count = subjects_.back().range.end() - whole.first;
-  return {whole, image_, merge_needed_ ? std::nullopt : bit_, distinct_, part_bits_};
+  return {whole, image_, merge_needed_ ? std::nullopt : bit_, distinct_, part_bits_, command_.mask};
 }
 
 std::optional<Request> CommandJob::next() const {
@@ -25,7 +25,7 @@ std::optional<Request> CommandJob::next() const {
     case Phase::kReadBefore: return ReadRequest{{subjects_.front().range}};
     case Phase::kWrite: {
       WriteRequest write = write_request();
-      if (command_.verify && !bit_ && subjects_.front().readable &&
+      if (command_.verify && !bit_ && !command_.mask && subjects_.front().readable &&
           protocol_->traits().write_read) {
         // Read-back in the same exchange: Modbus supports it for registers but not for coils.
         Request both = WriteReadRequest{write, write.range};
@@ -41,13 +41,16 @@ std::optional<Request> CommandJob::next() const {
 }
 
 std::optional<WriteRequest> CommandJob::batchable() const {
-  if (phase_ != Phase::kWrite || bit_ || alone_ || rewrites_ > 0) return std::nullopt;
+  if (phase_ != Phase::kWrite || bit_ || command_.mask || alone_ || rewrites_ > 0)
+    return std::nullopt;
   const auto request = next();
   const auto* write = std::get_if<WriteRequest>(&*request);
   return write != nullptr ? std::optional(*write) : std::nullopt;
 }
 
 bool CommandJob::reads_back_same(ByteView items) const {
+  if (command_.mask)
+    return items.size() == 2 && ((read_u16(items) ^ read_u16(image_)) & *command_.mask) == 0;
   if (!bit_) {
     if (std::equal(items.begin(), items.end(), image_.begin(), image_.end())) return true;
     // A device may format the same number differently: "+25.0" for " 25.00".

@@ -30,7 +30,8 @@ inline constexpr std::uint32_t kObjects = 256;
 inline constexpr std::uint16_t kMaxQueued = 31;
 inline constexpr std::uint16_t kQueueItems = kMaxQueued + 1;
 
-// In the order of Table. `mask_write`: supports function 22, for one bit or byte of a register.
+// In the order of Table. `mask_write`: function 22 for one bit or byte of a register. A client of
+// the gateway requests it itself, so the device decides.
 [[nodiscard]] constexpr std::array<Area, 7> areas(bool mask_write) {
   return {{
       {.name = "coil",
@@ -46,7 +47,8 @@ inline constexpr std::uint16_t kQueueItems = kMaxQueued + 1;
        .max_read = kMaxReadRegisters,
        .max_write = kMaxWriteRegisters,
        .bit_write = mask_write,
-       .byte_write = mask_write},
+       .byte_write = mask_write,
+       .mask_write = true},
       {.name = "input-register", .item_bits = 16, .max_read = kMaxReadRegisters, .max_write = 0},
       {.name = "file",
        .item_bits = 16,

@@ -112,7 +112,11 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
   const bool coil = table_of(write.range) == Table::kCoil;
   if (write.items.size() != image_bytes(coil ? 1 : 16, write.range.count)) return std::nullopt;
   if (table_of(write.range) == Table::kFile)
-    return write.bit ? std::nullopt : std::optional(Function::kWriteFile);
+    return write.bit || write.mask ? std::nullopt : std::optional(Function::kWriteFile);
+  if (write.mask) {
+    const bool one = table_of(write.range) == Table::kHolding && write.range.count == 1;
+    return one ? std::optional(Function::kMaskWrite) : std::nullopt;
+  }
   if (write.bit && !coil) {
     if (!options.mask_write || write.range.count != 1 || *write.bit + write.bits > 16)
       return std::nullopt;
@@ -164,10 +168,13 @@ void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
       append(pdu, write.items);
       break;
     case Function::kMaskWrite: {  // new = (old AND and) OR (or AND NOT and)
-      const auto mask = static_cast<std::uint16_t>(((1u << write.bits) - 1) << *write.bit);
+      const std::uint16_t items = read_u16(write.items);
+      const auto mask = write.mask
+                            ? *write.mask
+                            : static_cast<std::uint16_t>(((1u << write.bits) - 1) << *write.bit);
       append_u16(pdu, address);
       append_u16(pdu, static_cast<std::uint16_t>(~mask));
-      append_u16(pdu, read_u16(write.items) & mask);
+      append_u16(pdu, static_cast<std::uint16_t>(write.mask ? items : items & mask));
       break;
     }
     case Function::kWriteFile:
@@ -220,7 +227,7 @@ std::optional<PduSizes> sizes_of(const WriteRequest& write, const Options& optio
 std::optional<PduSizes> sizes_of(const WriteReadRequest& both) {
   const Range& written = both.write.range;
   if (table_of(written) != Table::kHolding || table_of(both.read) != Table::kHolding ||
-      both.write.bit)
+      both.write.bit || both.write.mask)
     return std::nullopt;
   if (!fits(written, true) || written.count > kMaxReadWriteRegisters || !fits(both.read, false))
     return std::nullopt;

@@ -25,14 +25,16 @@ class ClientSessionTest : public testing::Test {
     valid_ = session_.on_bytes(*from_hex(hex), Instant{5s}, out, commands_).has_value();
     return to_hex(out);
   }
-  std::string complete(const Command& command, std::vector<Value> values) {
+  std::string complete(const Command command, std::vector<Value> values, Cause cause = {}) {
     CommandResult result;
     result.requester = command.requester;
     result.request_id = command.request_id;
-    result.state = CommandState::kDone;
+    result.state = cause == Cause::kNone ? CommandState::kDone : CommandState::kFailed;
+    result.cause = cause;
     result.values = std::move(values);
+    result.completed = Instant{7s};
     Bytes out;
-    session_.on_result(result, out);
+    session_.on_result(result, out, commands_);
     return to_hex(out);
   }
 
@@ -94,6 +96,57 @@ TEST_F(ClientSessionTest, WritesNeedThePermission) {
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_EQ(commands_[0].operation, Operation::kWrite);
   EXPECT_TRUE(commands_[0].verify);
+}
+
+// Modbus Application Protocol V1.1b3, 6.17.
+constexpr std::string_view kReadWrite = "00 07 00 00 00 0D 01 17 00 03 00 02 00 0E 00 01 02 00 FF";
+
+TEST_F(ClientSessionTest, Function23WritesAndThenReads) {
+  spec_.writes = true;
+  spec_.max_age = 1s;
+  EXPECT_EQ(send(kReadWrite), "");
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, Operation::kWrite);
+  EXPECT_EQ(std::get<AddressTarget>(commands_[0].target).at, "holding:14");
+  EXPECT_EQ(commands_[0].values, std::vector<Value>{Value{std::uint64_t{0xFF}}});
+  EXPECT_EQ(complete(commands_[0], {}), "") << "the read is still to come";
+  ASSERT_EQ(commands_.size(), 2u);
+  EXPECT_TRUE(commands_[1].is_gateway_read());
+  EXPECT_NE(commands_[1].request_id, commands_[0].request_id);
+  EXPECT_EQ(std::get<AddressTarget>(commands_[1].target).at, "holding:3");
+  EXPECT_EQ(commands_[1].count, 2u);
+  EXPECT_EQ(commands_[1].max_age, 0s) << "no response from before the write";
+  EXPECT_EQ(commands_[1].expires, Instant{7s} + spec_.timeout);
+  EXPECT_EQ(complete(commands_[0], {}), "") << "it ended";
+  EXPECT_EQ(complete(commands_[1], {Value{std::uint64_t{0xFE}}, Value{std::uint64_t{0x0ACD}}}),
+            "00 07 00 00 00 07 01 17 04 00 FE 0A CD");
+  EXPECT_EQ(session_.pending(), 0u);
+  EXPECT_EQ(commands_.size(), 2u);
+}
+
+TEST_F(ClientSessionTest, Function23DoesNotReadAfterAFailedWrite) {
+  spec_.writes = true;
+  (void)send(kReadWrite);
+  EXPECT_EQ(complete(commands_[0], {}, Cause::kNoResponse), "00 07 00 00 00 03 01 97 0B");
+  EXPECT_EQ(commands_.size(), 1u);
+  (void)send(kReadWrite);
+  EXPECT_EQ(complete(commands_[1], {}), "");
+  EXPECT_EQ(complete(commands_[2], {}, Cause::kExpired), "00 07 00 00 00 03 01 97 06");
+  spec_.writes = false;
+  EXPECT_EQ(send(kReadWrite), "00 07 00 00 00 03 01 97 01");
+}
+
+TEST_F(ClientSessionTest, ADeviceOfAnotherProtocolIsWrittenAndReadButNotMasked) {
+  spec_.writes = true;
+  spec_.rows["unit-1"] = {{.first = 0, .count = 16, .at = "DM100"}};
+  EXPECT_EQ(send("00 08 00 00 00 08 01 16 00 04 00 F2 00 25"), "00 08 00 00 00 03 01 96 01");
+  EXPECT_EQ(send("00 07 00 00 00 0D 01 17 00 30 00 02 00 0E 00 01 02 00 FF"),
+            "00 07 00 00 00 03 01 97 02")
+      << "no row is read";
+  EXPECT_TRUE(commands_.empty()) << "nothing is written then";
+  EXPECT_EQ(send(kReadWrite), "");
+  EXPECT_EQ(complete(commands_[0], {}), "");
+  EXPECT_EQ(std::get<AddressTarget>(commands_[1].target).skip, 3u);
 }
 
 TEST_F(ClientSessionTest, TooManyRequestsInFlightAreRefusedAsBusy) {

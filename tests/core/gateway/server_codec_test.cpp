@@ -81,6 +81,14 @@ TEST(ServerCodec, WritesCarryTheirValues) {
             (std::vector<Value>{Value{std::uint64_t{10}}, Value{std::uint64_t{0x0102}}}));
 }
 
+TEST(ServerCodec, AMaskIsWrittenAsSuch) {
+  const Command command = command_of(decode(hex("16 00 04 00 F2 00 25")).value(), "press").value();
+  EXPECT_EQ(std::get<AddressTarget>(command.target).at, "holding:4");
+  EXPECT_EQ(command.operation, Operation::kWrite);
+  EXPECT_EQ(command.mask, 0xFF0D);
+  EXPECT_EQ(command.values, std::vector<Value>{Value{std::uint64_t{0x25}}});
+}
+
 const std::vector<GatewayRow> kRows{
     {.first = 100, .count = 10, .at = "DB1.DBW0"},
     {.first = 200, .count = 3, .type = ValueType::kFloat32, .at = "DB1.DBD20"},
@@ -134,7 +142,7 @@ TEST(ServerCodec, CodesOfOtherProtocolsAreNoExceptions) {
 // Modbus Application Protocol V1.1b3, the state diagrams of 6.1-6.12.
 TEST(ServerCodec, InvalidRequestsGetTheExceptionOfTheStandard) {
   EXPECT_EQ(fault_of("07"), Exception::kIllegalFunction);
-  EXPECT_EQ(fault_of("16 00 04 00 F2 00 25"), Exception::kIllegalFunction);
+  EXPECT_EQ(fault_of("18 04 DE"), Exception::kIllegalFunction);
   EXPECT_EQ(fault_of("83 02"), Exception::kIllegalFunction);
   EXPECT_EQ(fault_of("03 00 00 00 00"), Exception::kIllegalValue);
   EXPECT_EQ(fault_of("03 00 00 00 7E"), Exception::kIllegalValue) << "126 registers";
@@ -145,6 +153,13 @@ TEST(ServerCodec, InvalidRequestsGetTheExceptionOfTheStandard) {
   EXPECT_EQ(fault_of("05 00 00 12 34"), Exception::kIllegalValue) << "neither on nor off";
   EXPECT_EQ(fault_of("10 00 00 00 02 03 00 01 00"), Exception::kIllegalValue) << "byte count";
   EXPECT_EQ(fault_of("0F 00 00 00 09 01 00"), Exception::kIllegalValue) << "byte count";
+  EXPECT_EQ(fault_of("16 00 04 00 F2 00"), Exception::kIllegalValue) << "short";
+  EXPECT_EQ(fault_of("17 00 03 00 7E 00 0E 00 01 02 00 FF"), Exception::kIllegalValue)
+      << "126 registers to read";
+  EXPECT_EQ(fault_of("17 00 03 00 06 00 0E 00 02 02 00 FF"), Exception::kIllegalValue)
+      << "byte count";
+  EXPECT_EQ(fault_of("17 00 03 00 06 00 0E 00 00 00"), Exception::kIllegalValue);
+  EXPECT_EQ(fault_of("17 FF FF 00 02 00 0E 00 01 02 00 FF"), Exception::kIllegalAddress);
   EXPECT_EQ(fault_of("03 FF FF 00 02"), Exception::kIllegalAddress);
   EXPECT_TRUE(decode(hex("03 FF FF 00 01")));
   EXPECT_TRUE(decode(hex("01 00 00 07 D0")));
@@ -166,6 +181,8 @@ TEST(ServerCodec, AResponseIsThatOfTheDevice) {
   EXPECT_EQ(response_of("10 00 01 00 02 04 00 0A 01 02", done()),
             "12 34 00 00 00 06 11 10 00 01 00 02");
   EXPECT_EQ(response_of("0F 00 13 00 0A 02 CD 01", done()), "12 34 00 00 00 06 11 0F 00 13 00 0A");
+  EXPECT_EQ(response_of("16 00 04 00 F2 00 25", done()),
+            "12 34 00 00 00 08 11 16 00 04 00 F2 00 25");
   EXPECT_EQ(response_of("03 00 6B 00 02", done({Value{std::uint64_t{1}}})),
             "12 34 00 00 00 03 11 83 04")
       << "a value is missing";
