@@ -33,9 +33,6 @@ void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& fault
   const auto fault = [&](const std::string& what, const std::string& allowed) {
     faults.add(map.position_of("in-flight"), "in-flight: " + what, allowed);
   };
-  if (spec.gateway)
-    return fault("clients of a gateway read between the requests of the bus",
-                 "one of in-flight, gateway");
   if (!over_network(spec.port) || has_line(spec.port))
     return fault("the port is no plain TCP device", "port: { tcp: HOST:PORT } without baud");
   for (const DeviceSpec& device : spec.devices) {

@@ -97,7 +97,7 @@ class BusEngine {
   // Selects the wire of the next request. Returns false if all are in use.
   [[nodiscard]] bool select_free();
   [[nodiscard]] bool any_free() const {
-    return parts_.exchanging() < (parts_.commands.empty() ? parts_.in_flight.now() : 1);
+    return parts_.exchanging() < (parts_.commands.alone() ? 1 : parts_.in_flight.now());
   }
   // Returns false if nothing was sent.
   bool send_next(Instant now, ActionSink& sink);

@@ -57,6 +57,11 @@ struct BusParts {
     });
     return found == wires.end() ? nullptr : &*found;
   }
+  // At most one, see CommandQueue.
+  [[nodiscard]] bool command_in_flight() const {
+    return std::ranges::any_of(
+        wires, [](const Wire& wire) { return wire.exchanging() && wire.flight().is_command(); });
+  }
   [[nodiscard]] unsigned exchanging() const {
     return static_cast<unsigned>(std::ranges::count_if(wires, &Wire::exchanging));
   }

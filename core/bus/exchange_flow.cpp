@@ -40,7 +40,7 @@ std::optional<Bytes> Arbiter::sign(Instant now, bool due) {
 }
 
 std::optional<Flight> Arbiter::choose(Instant now) {
-  if (!commands_.empty()) {
+  if (!commands_.empty() && !parts_.command_in_flight()) {
     const bool reads_first = command_was_last_ && !commands_.begun() && reads_.due(now);
     if (!reads_first) {
       if (auto command = choose_command(now)) return command;
@@ -60,10 +60,8 @@ std::optional<Flight> Arbiter::choose_command(Instant now) {
     command.batch = next->batch;
     command.gateway_read = commands_.first()->is_gateway_read();
     if (command.gateway_read && gateway_share_ > 0)
-      gateway_due_ =
-          now +
-          from_seconds(to_seconds(devices_.longest_exchange(next->device, command.asked.request)) /
-                       gateway_share_);
+      gateway_due_ = now + from_seconds(to_seconds(wire_use(next->device, command.asked.request)) /
+                                        gateway_share_);
     return command;
   }
   if (commands_.begun()) {
@@ -94,8 +92,10 @@ std::optional<Flight> Arbiter::choose_read(Instant now) {
     if (parts_.wires.size() > 1) reads_.launched(read.block, now);
     return read;
   }
-  rest_until_ = std::min({std::get<Rest>(decision).until, devices_.next_probe(), next_admission,
-                          commands_.sendable_from(command_gate_)});
+  const Instant next_command =
+      parts_.command_in_flight() ? kNever : commands_.sendable_from(command_gate_);
+  rest_until_ = std::min(
+      {std::get<Rest>(decision).until, devices_.next_probe(), next_admission, next_command});
   rest_until_ = std::max(rest_until_, now + kShortestRest);
   return std::nullopt;
 }
@@ -118,8 +118,13 @@ Instant Arbiter::sendable_from(const CommandJob& job) {
       from, late_.sendable_from(job.device(), *request, LateResponseFilter::Purpose::kCommand));
 }
 
+// With several requests in flight, the others use the rest of the connection meanwhile.
+Duration Arbiter::wire_use(DeviceIndex device, const Request& request) const {
+  return devices_.longest_exchange(device, request) / parts_.in_flight.now();
+}
+
 Instant Arbiter::gateway_from(const CommandJob& job) {
-  const Duration use = devices_.longest_exchange(job.device(), *job.next());
+  const Duration use = wire_use(job.device(), *job.next());
   if (use > fits_ && use < fits_not_)
     (reads_.has_headroom(deciding_, use) ? fits_ : fits_not_) = use;
   if (use <= fits_) return kLongAgo;
@@ -162,7 +167,7 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool dropped =
       !ended.responded && parts_.wires.size() > 1 && devices_.rest_before(device, now) < waited;
   if (ended.responded) parts_.in_flight.responded();
-  if (dropped) parts_.in_flight.missed();
+  if (dropped && !parts_.wire().flight().gateway_read) parts_.in_flight.missed();
   note_try(ended, now, sink);
   if (!done && may_repeat(ended.cause)) {
     devices_.repeated(device);

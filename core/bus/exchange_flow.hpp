@@ -49,6 +49,7 @@ class Arbiter {
   // When a gateway's read may be sent. kNever: not before the next exchange has ended, as the
   // headroom only shrinks until then.
   [[nodiscard]] Instant gateway_from(const CommandJob& job);
+  [[nodiscard]] Duration wire_use(DeviceIndex device, const Request& request) const;
   [[nodiscard]] Bytes send(Instant now);
 
   BusParts& parts_;

@@ -47,8 +47,10 @@ class InFlightBus : public testing::Test {
  protected:
   static constexpr unsigned kMost = 4;
   static constexpr std::uint32_t kRegisters = 40;
+  static constexpr std::uint16_t kIgnored = 60002;
 
-  explicit InFlightBus(unsigned in_flight = kMost) : engine_(spec(in_flight)) {}
+  explicit InFlightBus(unsigned in_flight = kMost) : InFlightBus(spec(in_flight)) {}
+  explicit InFlightBus(const BusSpec& spec) : engine_(spec) {}
 
   static BusSpec spec(unsigned in_flight) {
     BusSpec spec = rtu_bus(1);
@@ -86,7 +88,7 @@ class InFlightBus : public testing::Test {
     }
   }
   void take(const Bytes& request) {
-    EXPECT_LE(waiting_.size() + 1, kMost);
+    if (late_ == 0) { EXPECT_LE(waiting_.size() + 1, kMost); }
     most_ = std::max(most_, waiting_.size() + 1);
     ++requests_;
     const bool write = request[7] != 3;
@@ -97,14 +99,23 @@ class InFlightBus : public testing::Test {
     EXPECT_TRUE(write || !writing_) << "nothing is sent until the write has ended";
     if (drops_ > 0 && requests_ % drops_ == 0) return;
     if (one_at_a_time_ && !waiting_.empty()) return;
+    if (read_u16(request, 8) == kIgnored) return;
     Bytes response(request.begin(), request.begin() + 4);
-    const Bytes pdu = write ? Bytes(request.begin() + 7, request.begin() + 12)
-                            : Bytes{3, 2, request[8], request[9]};
+    Bytes pdu(request.begin() + 7, request.begin() + 12);
+    if (write) {
+      wrote(read_u16(request, 8), read_u16(request, 10));
+    } else {
+      pdu = {3, 2};
+      append_u16(pdu, value_of(read_u16(request, 8)));
+    }
     append_u16(response, static_cast<std::uint16_t>(pdu.size() + 1));
     response.push_back(request[6]);
     append(response, pdu);
-    waiting_.emplace_back(now_ + response_time_, response);
+    const bool late = late_ > 0 && requests_ % late_ == 0;
+    waiting_.emplace_back(now_ + (late ? kLate : response_time_), response);
   }
+  virtual std::uint16_t value_of(std::uint16_t address) { return address; }
+  virtual void wrote(std::uint16_t, std::uint16_t) {}
   void check(const Sample& sample) {
     if (sample.quality != Quality::kGood) return;
     EXPECT_EQ(sample.value, Value{std::uint64_t{sample.channel} * 1000});
@@ -142,6 +153,8 @@ class InFlightBus : public testing::Test {
   std::size_t piece_ = 7;
   bool one_at_a_time_ = false;  // drops requests that arrive meanwhile
   unsigned drops_ = 0;          // each n-th request; 0: none
+  unsigned late_ = 0;           // response to each n-th request; 0: none
+  static constexpr Duration kLate = 130ms;
   std::mt19937 random_{1};
   std::vector<std::pair<Instant, Bytes>> waiting_;
   std::vector<CommandResult> results_;
@@ -216,6 +229,124 @@ TEST_F(InFlightBus, AStreamWithoutHeaderIsOpenedAgain) {
   const std::uint64_t before = good_;
   run(50ms);
   EXPECT_GT(good_, before + 20);
+}
+
+// Clients of a gateway read the device's clock and a register that they also write.
+class GatewayInFlight : public InFlightBus {
+ protected:
+  static constexpr std::uint16_t kClock = 60000, kSetpoint = 60001;
+  static constexpr Duration kRefresh = 100ms;
+
+  GatewayInFlight() : InFlightBus(with_gateway()) {}
+  static BusSpec with_gateway() {
+    BusSpec bus = spec(kMost);
+    bus.gateway.emplace();
+    bus.devices[0].allow_raw_write = true;
+    for (ChannelSpec& channel : bus.devices[0].channels) {
+      channel.mode = Mode::kScheduled;
+      channel.refresh = kRefresh;
+    }
+    return bus;
+  }
+  [[nodiscard]] std::uint16_t clock() const {
+    return static_cast<std::uint16_t>(now_.time_since_epoch() / 1ms);
+  }
+  std::uint16_t value_of(std::uint16_t address) override {
+    return address == kClock ? clock() : address == kSetpoint ? setpoint_ : address;
+  }
+  void wrote(std::uint16_t address, std::uint16_t value) override {
+    EXPECT_EQ(address, kSetpoint);
+    setpoint_ = value;
+  }
+  void request(unsigned client, std::uint16_t address, std::optional<std::uint16_t> value = {}) {
+    Command command;
+    command.requester = "gateway " + std::to_string(client);
+    command.request_id = ++last_id_;
+    command.device = "unit-1";
+    command.operation = value ? Operation::kWrite : Operation::kAcquire;
+    command.target =
+        AddressTarget{"holding:" + std::to_string(address), {.type = ValueType::kUint16}};
+    if (value) command.values = {std::uint64_t{*value}};
+    command.gateway = true;
+    command.expires = now_ + 1s;
+    begun_[last_id_] = clock();
+    feed(CommandArrived{command});
+  }
+  // Eight clients, each of which reads the clock every 20 ms.
+  void run_clients(Duration time) {
+    for (const Instant until = now_ + time; now_ < until;) {
+      for (unsigned client = 0; client < 8; ++client) {
+        request(client, kClock);
+        run(2500us);
+      }
+    }
+    run(2s);
+  }
+  std::uint64_t done() const {
+    std::uint64_t done = 0;
+    for (const CommandResult& result : results_) {
+      if (result.state != CommandState::kDone) continue;
+      ++done;
+      EXPECT_GE(std::get<std::uint64_t>(result.values.at(0)), begun_.at(result.request_id))
+          << "a response to an earlier request";
+    }
+    return done;
+  }
+
+  std::uint16_t setpoint_ = 0;
+  std::uint64_t last_id_ = 0;
+  std::map<std::uint64_t, std::uint16_t> begun_;
+};
+
+TEST_F(GatewayInFlight, ClientsReadBesideThePlanWhichKeepsItsRefreshes) {
+  feed(Opened{});
+  run(1s);
+  const std::uint64_t missed = engine_.bus_report(now_).deadline_misses;
+  run_clients(3s);
+  EXPECT_EQ(results_.size(), last_id_) << "one result for each";
+  EXPECT_GT(done(), last_id_ * 9 / 10);
+  EXPECT_EQ(engine_.bus_report(now_).deadline_misses, missed);
+  EXPECT_GT(most_, 1u);
+}
+
+TEST_F(GatewayInFlight, LateResponsesAreNoValuesOfLaterRequests) {
+  late_ = 50;
+  shuffled_ = true;
+  feed(Opened{});
+  run(1s);
+  run_clients(5s);
+  EXPECT_EQ(results_.size(), last_id_);
+  EXPECT_GT(done(), last_id_ / 4);
+  EXPECT_FALSE(reopened_);
+}
+
+TEST_F(GatewayInFlight, ReadsThatTheDeviceIgnoresTakeNoPlaceFromThePlan) {
+  feed(Opened{});
+  run(1s);
+  for (unsigned client = 0; client < 30; ++client) {
+    request(client, kIgnored);
+    run(110ms);
+  }
+  most_ = 0;
+  run(1s);
+  EXPECT_EQ(most_, kMost);
+}
+
+TEST_F(GatewayInFlight, AReadAfterAWriteHasItsValue) {
+  feed(Opened{});
+  run(1s);
+  for (std::uint16_t value = 1; value <= 200; ++value) {
+    for (unsigned client = 0; client < 3; ++client) request(client, kClock);
+    request(3, kSetpoint, value);
+    request(4, kSetpoint);
+    run(60ms);
+    request(4, kSetpoint);
+    run(60ms);
+    ASSERT_EQ(results_.back().request_id, last_id_);
+    ASSERT_EQ(results_.back().state, CommandState::kDone) << results_.back().reason;
+    EXPECT_EQ(results_.back().values, std::vector<Value>{Value{std::uint64_t{value}}});
+  }
+  EXPECT_EQ(results_.size(), last_id_);
 }
 
 struct OneInFlightBus : InFlightBus {

@@ -65,6 +65,7 @@ void CommandQueue::accept(const Command& command, const Condition& condition, In
   if (owner.commands++ == 0) ++turn_;
   owner.bytes += bytes_of(command);
   bytes_ += bytes_of(command);
+  if (!command.is_gateway_read()) ++alone_;
   waiting_.push_back({std::move(*job), now, &owner});
 }
 
@@ -107,6 +108,7 @@ std::deque<CommandQueue::Waiting>::iterator CommandQueue::newest_of_most(bool by
 void CommandQueue::left(const Waiting& waiting) {
   const Command& command = waiting.job.command();
   bytes_ -= bytes_of(command);
+  if (!command.is_gateway_read()) --alone_;
   waiting.owner->bytes -= bytes_of(command);
   if (--waiting.owner->commands == 0) owners_.erase(command.requester);
 }
@@ -315,6 +317,7 @@ void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant no
   waiting_.clear();
   owners_.clear();
   bytes_ = 0;
+  alone_ = 0;
   begun_ = false;
 }
 

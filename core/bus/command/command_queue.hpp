@@ -65,6 +65,8 @@ class CommandQueue {
   void refuse_all(Cause cause, const std::string& reason, Instant now, ActionSink& sink);
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
+  // Whether any command is no read of the gateway: no other request may be in flight with it.
+  [[nodiscard]] bool alone() const { return alone_ > 0; }
   [[nodiscard]] const Command* first() const {
     return waiting_.empty() ? nullptr : &waiting_.front().job.command();
   }
@@ -107,6 +109,7 @@ class CommandQueue {
   std::deque<Waiting> waiting_;  // in order of arrival; a started command is first
   std::map<std::string, Owner, std::less<>> owners_;
   std::size_t bytes_ = 0;
+  std::size_t alone_ = 0;  // commands that are no reads of the gateway
   std::uint64_t turn_ = 0;
   std::vector<Instant> last_write_;
   bool begun_ = false;
