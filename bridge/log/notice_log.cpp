@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace fieldcast {
 namespace {
 
@@ -59,6 +61,8 @@ void NoticeLog::port_opened() {
 
 void NoticeLog::port_closed(const std::string& reason, Instant now) {
   port_was_closed_ = true;
+  // Another reason is news.
+  if (std::exchange(port_reason_, reason) != reason) (void)filter_.recovered("port");
   fault("port", bus_, "the port is closed: " + reason, now);
 }
 

@@ -29,6 +29,7 @@ class NoticeLog {
   std::string bus_;
   RepeatFilter filter_;
   bool port_was_closed_ = false;
+  std::string port_reason_;  // of the last closing
 };
 
 }  // namespace fieldcast
