@@ -11,9 +11,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <set>
 
-#include "bridge/base/check.hpp"
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/process/secret.hpp"
+#include "bridge/net/tls_context.hpp"
 
 namespace fieldcast {
 namespace {
@@ -71,19 +70,6 @@ class TlsStream final : public ByteStream {
   std::shared_ptr<Secure> stream_;  // shared with pending operations
 };
 
-// For TLS 1.2: ephemeral keys and authenticated encryption only. TLS 1.3 has no other suites.
-constexpr const char* kCipherSuites = "ECDHE+AESGCM:ECDHE+CHACHA20";
-
-void set_rules(asio::ssl::context& context) {
-  context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 |
-                      asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
-                      asio::ssl::context::no_tlsv1_1 | asio::ssl::context::no_compression);
-  SSL_CTX* const native = context.native_handle();
-  FIELDCAST_CHECK(SSL_CTX_set_min_proto_version(native, TLS1_2_VERSION) == 1);
-  FIELDCAST_CHECK(SSL_CTX_set_cipher_list(native, kCipherSuites) == 1);
-  SSL_CTX_set_options(native, SSL_OP_NO_RENEGOTIATION);
-}
-
 void run_handshake(const std::shared_ptr<Secure>& stream,
                    asio::ssl::stream_base::handshake_type side, Duration limit,
                    std::function<void(TlsResult)> done) {
@@ -108,29 +94,12 @@ void run_handshake(const std::shared_ptr<Secure>& stream,
 
 namespace {
 
-using Context = asio::ssl::context;
-using Fault = tl::unexpected<std::string>;
-using Done = tl::expected<void, std::string>;
-
-Fault fault_of(const std::string& file, const char* what, const boost::system::error_code& why) {
-  return Fault(fmt::format("{}: {}: {}", file, what, why.message()));
-}
-
-Done use_identity(Context& context, const TlsSpec& files) {
-  boost::system::error_code fault;
-  context.use_certificate_chain_file(files.certificate, fault);
-  if (fault) return fault_of(files.certificate, "no certificate in PEM form", fault);
-  if (auto closed = check_secret_file(files.key, Readers::kOwnerAndGroup); !closed) return closed;
-  context.use_private_key_file(files.key, Context::pem, fault);
-  if (fault)
-    return fault_of(files.key, "no private key in PEM form, or not the certificate's", fault);
-  return {};
-}
+using tls::Context;
+using tls::Done;
+using tls::Fault;
 
 Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients clients) {
-  boost::system::error_code fault;
-  context.load_verify_file(files.authority, fault);
-  if (fault) return fault_of(files.authority, "no certificates in PEM form", fault);
+  if (auto used = tls::use_authorities(context, files.authority); !used) return used;
   context.set_verify_mode(clients == TlsServer::Clients::kMust
                               ? asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert
                               : asio::ssl::verify_peer);
@@ -142,16 +111,7 @@ Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients cl
   SSL_CTX_set_session_cache_mode(context.native_handle(), SSL_SESS_CACHE_OFF);
   SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_TICKET);
   SSL_CTX_set_num_tickets(context.native_handle(), 0);
-  if (files.revoked.empty()) return {};
-  X509_STORE* store = SSL_CTX_get_cert_store(context.native_handle());
-  X509_LOOKUP* lookup = X509_STORE_add_lookup(store, X509_LOOKUP_file());
-  if (lookup == nullptr ||
-      X509_load_crl_file(lookup, files.revoked.c_str(), X509_FILETYPE_PEM) < 1) {
-    ERR_clear_error();
-    return Fault(files.revoked + ": no list of revoked certificates (CRL) in PEM form");
-  }
-  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK);
-  return {};
+  return tls::use_revoked(context, files.revoked);
 }
 
 using Stamps = std::array<FileStamp, 4>;
@@ -175,8 +135,8 @@ struct TlsServer::State {
   void load() {
     stamps = stamps_of(files);
     auto made = std::make_unique<Context>(Context::tls_server);
-    set_rules(*made);
-    auto loaded = use_identity(*made, files);
+    tls::set_rules(*made);
+    auto loaded = tls::use_identity(*made, files);
     if (loaded && !files.authority.empty()) loaded = use_authority(*made, files, clients);
     context = loaded ? std::move(made) : nullptr;
     trouble = loaded ? "" : loaded.error();
@@ -237,20 +197,11 @@ TlsClient::~TlsClient() = default;
 tl::expected<std::unique_ptr<TlsClient>, std::string> TlsClient::make(
     const std::string& authorities, const TlsSpec& own) {
   auto state = std::make_shared<State>();
-  set_rules(state->context);
-  boost::system::error_code fault;
-  if (authorities.empty()) {
-    state->context.set_default_verify_paths(fault);
-  } else {
-    state->context.load_verify_file(authorities, fault);
-  }
-  if (fault)
-    return tl::make_unexpected(
-        fmt::format("{}: no certificates in PEM form: {}", authorities, fault.message()));
+  tls::set_rules(state->context);
+  auto used = tls::use_authorities(state->context, authorities);
   state->context.set_verify_mode(asio::ssl::verify_peer);
-  if (!own.certificate.empty()) {
-    if (auto used = use_identity(state->context, own); !used) return Fault(used.error());
-  }
+  if (used && !own.certificate.empty()) used = tls::use_identity(state->context, own);
+  if (!used) return Fault(used.error());
   return std::unique_ptr<TlsClient>(new TlsClient(std::move(state)));
 }
 

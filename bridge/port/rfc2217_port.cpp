@@ -35,7 +35,7 @@ class Rfc2217Opening final : public TcpOpening {
         format_(spec.line) {}
 
  private:
-  void connected(FileDescriptor socket) override {
+  void connected(FileDescriptor socket, std::unique_ptr<TlsEngine>) override {
     tune_socket(socket.get(), target().one_client ? kUnacknowledgedByOne : kUnacknowledged);
     line_ = std::make_shared<TelnetLine>(io_, std::move(socket), format_);
     const auto self = self_as<Rfc2217Opening>();

@@ -60,7 +60,7 @@ FileDescriptor Stream::release() {
 }
 
 FileDescriptor Stream::lease() {
-  if (over_ || !descriptor_.valid()) return {};
+  if (over_ || !descriptor_.valid() || tls_) return {};
   leased_ = true;
   return FileDescriptor(::fcntl(fd(), F_DUPFD_CLOEXEC, 0));
 }
@@ -73,6 +73,21 @@ void Stream::end_lease() {
 }
 
 void Stream::push(ByteView bytes) {
+  if (!tls_) return push_raw(bytes);
+  Bytes encrypted;
+  tls_->send(bytes, encrypted);
+  push_raw(encrypted);
+}
+
+// Also sends what TLS itself has to send. Returns false at a fault or at the end of TLS.
+bool Stream::decrypt(ByteView bytes, Bytes& plain) {
+  Bytes out;
+  const bool open = tls_->receive(bytes, plain, out);
+  if (!out.empty()) push_raw(out);
+  return open;
+}
+
+void Stream::push_raw(ByteView bytes) {
   switch (unsent_.write(fd(), bytes)) {
     case Unsent::Outcome::kAllSent: return;
     case Unsent::Outcome::kBlocked: return wait_for_space();
@@ -103,13 +118,24 @@ void Stream::on_readable() {
 bool Stream::take() {
   const ssize_t size = ::read(fd(), buffer_.data(), buffer_.size());
   if (size > 0) {
-    listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
-    if (!over_) acknowledge(fd());
+    ByteView received(buffer_.data(), static_cast<std::size_t>(size));
+    Bytes plain;
+    const bool open = !tls_ || decrypt(received, plain);
+    if (tls_) received = plain;
+    decrypted_ = decrypted_ || !plain.empty();
+    if (!received.empty()) listener_.on_received(received, steady_now());
+    if (!over_ && !open) fail({tls_->fault()});
+    if (over_) return open;
+    acknowledge(fd());
     return true;
   }
   if (size == 0 && datagrams()) return true;
   if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
-  fail(end_of(size == 0 ? 0 : errno));
+  End end = end_of(size == 0 ? 0 : errno);
+  // Not every server says why it refuses a client.
+  if (tls_ && !decrypted_)
+    end.reason += " after the TLS handshake; it may refuse the certificate of this client";
+  fail(std::move(end));
   return false;
 }
 
@@ -125,12 +151,18 @@ void Stream::drop_stale() {
   fetch();
   std::array<std::uint8_t, 512> stale;
   const ssize_t more = datagrams() ? 0 : static_cast<ssize_t>(stale.size());
-  while (::read(fd(), stale.data(), stale.size()) >= more) {}
+  for (ssize_t size = more; size >= more;) {
+    size = ::read(fd(), stale.data(), stale.size());
+    Bytes ignored;
+    if (tls_ && size > 0 &&
+        !decrypt(ByteView(stale).first(static_cast<std::size_t>(size)), ignored))
+      return fail_later({tls_->fault()});
+  }
 }
 
 void Stream::wait_for_space() {
   readiness_.wait_writable([self = shared_from_this()](boost::system::error_code fault) {
-    if (!self->over_ && !fault) self->push({});
+    if (!self->over_ && !fault) self->push_raw({});
   });
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "bridge/base/clock.hpp"
+#include "bridge/net/tls_engine.hpp"
 #include "bridge/port/device_watch.hpp"
 #include "bridge/port/port.hpp"
 
@@ -31,6 +32,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
 
   // Takes over a non-blocking descriptor, once. Returns false if it is not usable.
   [[nodiscard]] bool assign(FileDescriptor descriptor);
+  // From now on the socket carries TLS, after its handshake. Such a line cannot be leased.
+  void use(std::unique_ptr<TlsEngine> tls) { tls_ = std::move(tls); }
   void start();
 
   // See Port.
@@ -69,6 +72,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   [[nodiscard]] int fd() const { return descriptor_.get(); }
   [[nodiscard]] bool usable() const { return !over_ && !leased_ && descriptor_.valid(); }
   void push(ByteView bytes);
+  void push_raw(ByteView bytes);
+  [[nodiscard]] bool decrypt(ByteView bytes, Bytes& plain);
   void wait_for_bytes();
   void on_readable();
   [[nodiscard]] bool take();
@@ -80,10 +85,12 @@ class Stream : public std::enable_shared_from_this<Stream> {
   PortListener& listener_;
   FileDescriptor descriptor_;
   std::shared_ptr<void> companion_;
+  std::unique_ptr<TlsEngine> tls_;  // null: the bytes of the socket are those of the line
   Readiness readiness_;
   boost::asio::steady_timer timer_;
   Unsent unsent_;
   Duration sleep_{};
+  bool decrypted_ = false;  // any byte of the line, by TLS
   bool over_ = false;
   bool leased_ = false;
   bool waiting_ = false;

@@ -72,14 +72,15 @@ class TcpStreamOpening final : public TcpOpening {
  public:
   TcpStreamOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
       : TcpOpening(io, listener,
-                   {spec.host, spec.port, spec.connect_timeout, spec.fence.is(Fence::kOneClient)}) {
-  }
+                   {spec.host, spec.port, spec.connect_timeout, spec.fence.is(Fence::kOneClient),
+                    spec.tls, spec.certified_name()}) {}
 
  private:
-  void connected(FileDescriptor socket) override {
+  void connected(FileDescriptor socket, std::unique_ptr<TlsEngine> tls) override {
     auto stream = make_socket_stream(io_, std::move(socket), listener_,
                                      target().one_client ? Clients::kOne : Clients::kMany);
     if (!stream) return give_up("the connection is closed already");
+    if (tls) stream->use(std::move(tls));
     opened(std::move(stream));
   }
 };

@@ -4,6 +4,7 @@
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/write.hpp>
 
 namespace fieldcast {
 
@@ -21,7 +22,8 @@ void TcpOpening::begin() {
   limit_.expires_after(target_.timeout);
   limit_.async_wait([self = self_as<TcpOpening>()](boost::system::error_code fault) {
     if (!self->over_ && !self->connected_ && !fault)
-      self->give_up("no connection within " + to_text(self->target_.timeout));
+      self->give_up((self->tls_ ? "no TLS handshake within " : "no connection within ") +
+                    to_text(self->target_.timeout));
   });
   resolver_.async_resolve(
       target_.host, std::to_string(target_.port),
@@ -39,12 +41,52 @@ void TcpOpening::connect(const tcp::resolver::results_type& endpoints) {
       [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
         if (self->over_) return;
         if (fault) return self->give_up(self->with_fence(fault.message()));
-        self->connected_ = true;
-        self->limit_.cancel();
-        FileDescriptor socket(self->socket_.release(fault));
-        if (fault) return self->give_up("the connection is closed already");
-        self->connected(std::move(socket));
+        self->target_.tls ? self->start_tls() : self->finish();
       });
+}
+
+void TcpOpening::start_tls() {
+  auto tls = TlsEngine::make(*target_.tls, target_.certified_name);
+  if (!tls) return give_up("TLS: " + tls.error());
+  tls_ = std::move(*tls);
+  shake_hands({});
+}
+
+void TcpOpening::shake_hands(ByteView received) {
+  Bytes none;
+  sending_.clear();
+  const bool open = tls_->receive(received, none, sending_);
+  if (sending_.empty()) return shaken(open);
+  asio::async_write(socket_, asio::buffer(sending_),
+                    [self = self_as<TcpOpening>(), open](boost::system::error_code fault, auto) {
+                      if (self->over_) return;
+                      if (fault && open) return self->give_up("TLS: " + fault.message());
+                      self->shaken(open);
+                    });
+}
+
+// What was to be sent is sent.
+void TcpOpening::shaken(bool open) {
+  if (!open) return give_up(tls_->fault());
+  if (tls_->ready()) return finish();
+  socket_.async_read_some(
+      asio::buffer(received_),
+      [self = self_as<TcpOpening>()](boost::system::error_code fault, std::size_t size) {
+        if (self->over_) return;
+        if (!fault) return self->shake_hands(ByteView(self->received_).first(size));
+        self->give_up(fault == asio::error::eof
+                          ? "TLS: the server closed the connection during the handshake"
+                          : "TLS: " + fault.message());
+      });
+}
+
+void TcpOpening::finish() {
+  connected_ = true;
+  limit_.cancel();
+  boost::system::error_code fault;
+  FileDescriptor socket(socket_.release(fault));
+  if (fault) return give_up("the connection is closed already");
+  connected(std::move(socket), std::move(tls_));
 }
 
 std::string TcpOpening::with_fence(std::string reason) const {

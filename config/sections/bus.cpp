@@ -115,7 +115,7 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   if (const Node* protocol = map.find("protocol"))
     context.protocol = read_protocol(*protocol, "protocol", state);
   if (const Node* port = map.require("port", port_forms()))
-    spec.port = read_port(*port, context.protocol.name, state.faults);
+    spec.port = read_port(*port, context.protocol.name, state.library, state.faults);
   read_capture(map, spec.capture);
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);

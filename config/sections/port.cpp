@@ -96,6 +96,8 @@ struct FormatRule {
   [[nodiscard]] static std::string form() { return {}; }
 };
 
+constexpr std::size_t kMaxServerName = 253;
+
 DurationRule connect_timeout() { return {std::chrono::milliseconds{10}, kMaxTimeout}; }
 
 constexpr std::pair<std::string_view, Fence> kFences[] = {{"none", Fence::kNone},
@@ -130,7 +132,7 @@ LineFormat read_line(MapReader& map, const LineFormat& factory) {
   return line;
 }
 
-PortSpec read_serial(MapReader& map, const LineFormat& factory) {
+PortSpec read_serial(MapReader& map, const LineFormat& factory, Library&) {
   SerialPortSpec port;
   if (map.read("serial", port.path, TextRule{kMaxPath}) &&
       port.path.find('/') == std::string::npos) {
@@ -148,6 +150,7 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   }
   return port;
 }
+
 // Empty if there is no serial line behind the network.
 std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factory) {
   LineFormat format = factory;
@@ -164,7 +167,7 @@ std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factor
   return std::nullopt;
 }
 
-PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
+PortSpec read_tcp(MapReader& map, const LineFormat& factory, Library&) {
   TcpPortSpec port;
   std::pair<std::string, std::uint16_t> endpoint;
   if (map.read("tcp", endpoint, HostPortRule{}))
@@ -179,7 +182,7 @@ PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
-PortSpec read_rfc2217(MapReader& map, const LineFormat& factory) {
+PortSpec read_rfc2217(MapReader& map, const LineFormat& factory, Library&) {
   Rfc2217PortSpec port;
   std::pair<std::string, std::uint16_t> endpoint;
   if (map.read("rfc2217", endpoint, HostPortRule{}))
@@ -191,7 +194,24 @@ PortSpec read_rfc2217(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
-PortSpec read_udp(MapReader& map, const LineFormat& factory) {
+PortSpec read_tls_port(MapReader& map, const LineFormat&, Library& library) {
+  TcpPortSpec port;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("tls", endpoint, HostPortRule{}))
+    port.host = endpoint.first, port.port = endpoint.second;
+  map.read("connect-timeout", port.connect_timeout, connect_timeout());
+  map.read("server-name", port.server_name, TextRule{kMaxServerName});
+  port.tls = read_tls(map, library);
+  // read_tls() requires both with an authority.
+  if (!map.has("authority"))
+    map.fault("tls", "'tls' without 'authority'",
+              "authority: a PEM file with who signs the certificate of the device, or with that "
+              "certificate; certificate and key of the bridge");
+  port.fence = read_fence(map, {Fence::kNone, Fence::kOneClient}, "one-client, none");
+  return port;
+}
+
+PortSpec read_udp(MapReader& map, const LineFormat& factory, Library&) {
   TcpPortSpec port;
   port.datagrams = true;
   std::pair<std::string, std::uint16_t> endpoint;
@@ -201,7 +221,7 @@ PortSpec read_udp(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
-PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
+PortSpec read_dial_in(MapReader& map, const LineFormat& factory, Library&) {
   DialInPortSpec port;
   map.read("dial-in", port.number, DeviceNumberRule{});
   port.line = read_far_line(map, factory);
@@ -212,15 +232,19 @@ PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
 struct PortType {
   std::string_view key, value;
   std::vector<std::string_view> takes;
-  PortSpec (*read)(MapReader& map, const LineFormat& factory);
+  PortSpec (*read)(MapReader& map, const LineFormat& factory, Library& library);
 };
-const std::array<PortType, 5>& port_types() {
-  static const std::array<PortType, 5> types{{
+const std::array<PortType, 6>& port_types() {
+  static const std::array<PortType, 6> types{{
       {"serial",
        "PATH",
        {"baud", "format", "rs485", "low-latency", "exclusive", "fence", "hold"},
        read_serial},
       {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout", "fence", "hold"}, read_tcp},
+      {"tls",
+       "HOST:PORT",
+       {"authority", "certificate", "key", "revoked", "server-name", "connect-timeout", "fence"},
+       read_tls_port},
       {"udp", "HOST:PORT", {"baud", "format"}, read_udp},
       {"rfc2217",
        "HOST:PORT",
@@ -260,7 +284,8 @@ std::string examples(std::string_view before, std::string_view after, std::strin
 }
 
 // Reads the keys of the type; keys of other types are faults.
-PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& factory) {
+PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& factory,
+                   Library& library) {
   for (const std::string_view key : port_rows().keys) {
     if (std::ranges::find(type.takes, key) != type.takes.end()) continue;
     const bool names_a_type =
@@ -268,7 +293,7 @@ PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& facto
     if (map.find(key) == nullptr || names_a_type) continue;
     map.fault(key, fmt::format("'{}' has no meaning for a {} port", key, type.key));
   }
-  return type.read(map, factory);
+  return type.read(map, factory, library);
 }
 
 }  // namespace
@@ -354,6 +379,10 @@ const RowTable& port_rows() {
                     "move",
             .schema = R"({ "type": "string", "minLength": 1 })"}},
           row({.name = "tcp", .text = "of a TCP device or a serial server"}, HostPortRule{}),
+          row({.name = "tls",
+               .text = "of a device that speaks Modbus TCP inside TLS (MODBUS/TCP Security, port "
+                       "802)"},
+              HostPortRule{}),
           row({.name = "udp", .text = "of a device whose frames are datagrams"}, HostPortRule{}),
           row({.name = "rfc2217",
                .text =
@@ -372,7 +401,21 @@ const RowTable& port_rows() {
           row({"rs485", "false", "the kernel switches the direction of the line"}, FlagRule{}),
           row({"low-latency", "true", "asks the driver not to hold bytes back"}, FlagRule{}),
           row({"exclusive", "true", "nobody else may open the port"}, FlagRule{}),
-          row({"connect-timeout", "3s", "with `tcp` or `rfc2217`"}, connect_timeout()),
+          row({"connect-timeout", "3s", "with `tcp`, `tls` or `rfc2217`"}, connect_timeout()),
+          row({.name = "authority",
+               .text = "with `tls`: PEM file with who signs the certificate of the device, or with "
+                       "that certificate"},
+              TextRule{kMaxPath}),
+          row({.name = "certificate",
+               .text = "with `tls`: PEM file, by which the device knows the "
+                       "bridge"},
+              TextRule{kMaxPath}),
+          row({.name = "key", .text = "with `tls`: PEM file of the certificate's private key"},
+              TextRule{kMaxPath}),
+          row({.name = "revoked", .text = "with `tls`: PEM file with revoked certificates (CRL)"},
+              TextRule{kMaxPath}),
+          row({"server-name", "HOST", "with `tls`: the name in the certificate of the device"},
+              TextRule{kMaxServerName}),
           row({"fence", "not said",
                "what keeps a second master off the wire (docs/redundancy.md): `listen` "
                "before sending; `lock` of a serial port, for bridges on one host; "
@@ -387,7 +430,8 @@ const RowTable& port_rows() {
 
 std::string port_forms() { return "port: " + examples("{ ", " }", ", ", " or "); }
 
-PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
+PortSpec read_port(const Node& node, std::string_view protocol, Library& library,
+                   FaultList& faults) {
   MapReader map(node, port_rows(), faults);
   std::vector<const PortType*> named;
   for (const PortType& type : port_types()) {
@@ -404,7 +448,7 @@ PortSpec read_port(const Node& node, std::string_view protocol, FaultList& fault
                examples("", "", ", ", ", "));
   }
   return read_type(named.empty() ? port_types().front() : *named.back(), map,
-                   factory_line(protocol));
+                   factory_line(protocol), library);
 }
 
 }  // namespace fieldcast::config

@@ -7,19 +7,22 @@
 
 #include "config/document/document.hpp"
 #include "config/document/map_reader.hpp"
+#include "config/files/library.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 
 // { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
 //     { tcp: HOST:PORT, baud, format, connect-timeout, fence, hold }
+//     { tls: HOST:PORT, authority, certificate, key, revoked, server-name, connect-timeout, fence }
 //     { udp: HOST:PORT, baud, format }
 //     { rfc2217: HOST:PORT, baud, format, connect-timeout, fence, hold }
 //     { dial-in: NUMBER, baud, format }
 //
 // Without baud and format, the line has the factory setting of the protocol's devices
 // (ProtocolEntry::factory_line).
-[[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
+[[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, Library& library,
+                                 FaultList& faults);
 
 [[nodiscard]] const RowTable& port_rows();
 // "port: { serial: PATH }, { tcp: HOST:PORT } or ..", for faults.

@@ -10,6 +10,7 @@
 
 #include "core/base/time.hpp"
 #include "core/frame/line.hpp"
+#include "core/model/tls_spec.hpp"
 
 namespace fieldcast {
 
@@ -54,11 +55,17 @@ struct TcpPortSpec {
   Duration connect_timeout = std::chrono::seconds{3};
   FenceSpec fence{};
   bool datagrams = false;  // UDP: each frame is a datagram
+  std::optional<TlsSpec> tls{};
+  std::string server_name{};  // in the server's certificate; empty: `host`
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] bool has_datagrams() const { return datagrams; }
+  // Of the server's certificate.
+  [[nodiscard]] const std::string& certified_name() const {
+    return server_name.empty() ? host : server_name;
+  }
   [[nodiscard]] std::string name() const {
-    return (datagrams ? "udp " : "") + host + ':' + std::to_string(port);
+    return (datagrams ? "udp " : tls ? "tls " : "") + host + ':' + std::to_string(port);
   }
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/model/tls_spec.hpp"
 #include "core/program/registration.hpp"
 
 namespace fieldcast {
@@ -22,14 +23,6 @@ struct ListenSpec {
 enum class LoginRule : std::uint8_t { kOffLoopback, kAlways };  // when a login is required
 
 enum class LoginProof : std::uint8_t { kPassword, kCertificate, kEither, kBoth };
-
-// TLS of a listening port; all are paths of PEM files.
-struct TlsSpec {
-  std::string certificate, key;  // of the bridge; if set, TLS is used
-  std::string authority;         // issuer of client certificates; empty: clients need none
-  std::string revoked;           // certificate revocation list; empty: none
-  friend bool operator==(const TlsSpec&, const TlsSpec&) = default;
-};
 
 struct EngineersSpec {
   ListenSpec listen;

@@ -143,11 +143,17 @@ TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(spec.buses[4].port,
             PortSpec(Rfc2217PortSpec{"line.local", 4002, LineFormat{4800, 7, Parity::kOdd, 2},
                                      seconds{4}, FenceSpec{Fence::kOneClient}}));
+  const auto& secured = std::get<TcpPortSpec>(spec.buses[5].port);
+  EXPECT_EQ(secured.name(), "tls plc.local:802");
+  EXPECT_EQ(secured.certified_name(), "plc-7");
+  EXPECT_EQ(secured.connect_timeout, seconds{5});
+  EXPECT_TRUE(secured.fence.is(Fence::kOneClient));
+  ASSERT_TRUE(secured.tls);
   EXPECT_EQ(spec.buses[1].devices[0].number, "P3");
   ASSERT_TRUE(spec.program.engineers && spec.program.modules);
   const EngineersSpec& engineers = *spec.program.engineers;
   EXPECT_EQ(engineers.listen, (ListenSpec{"0.0.0.0", 4950}));
-  for (const TlsSpec& tls : {engineers.tls, spec.program.modules->tls}) {
+  for (const TlsSpec& tls : {engineers.tls, spec.program.modules->tls, *secured.tls}) {
     for (const std::string* file : {&tls.certificate, &tls.key, &tls.authority, &tls.revoked})
       EXPECT_TRUE(file->ends_with("profile.xml")) << *file;
   }

@@ -35,6 +35,14 @@ class Certificates {
   void make_own(const std::string& name, const std::string& common_name) const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1", "");
   }
+  // Signs a certificate again, so that it ended yesterday.
+  void expire(const std::string& name) const {
+    const std::string request = file(name + ".csr"), pem = file(name + ".pem");
+    run("openssl x509 -x509toreq -copy_extensions copy -in " + pem + " -signkey " +
+        file(name + ".key") + " -out " + request + " 2>/dev/null && openssl x509 -req -in " +
+        request + " -copy_extensions copy -CA " + file("ca.pem") + " -CAkey " + file("ca.key") +
+        " -days -1 -out " + pem + " 2>/dev/null");
+  }
   [[nodiscard]] std::string file(const std::string& name) const { return folder_ + '/' + name; }
   [[nodiscard]] std::string text(const std::string& name) const {
     std::ifstream in(file(name));
@@ -56,6 +64,9 @@ class Certificates {
         "'" +
         subject + "' " + extension + ' ' + authority + " -keyout " + file(name + ".key") +
         " -out " + file(name + ".pem") + " >/dev/null 2>&1";
+    run(command);
+  }
+  static void run(const std::string& command) {
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
   }
 

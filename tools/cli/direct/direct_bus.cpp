@@ -143,7 +143,7 @@ namespace {
 
 constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;
 
-constexpr std::string_view kRfc2217 = "rfc2217:";
+constexpr std::string_view kUdp = "udp:", kTls = "tls:", kRfc2217 = "rfc2217:";
 bool is_rfc2217(std::string_view port) { return port.starts_with(kRfc2217); }
 bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }
 
@@ -184,7 +184,8 @@ std::string full_port(const std::string& port) {
 
 void add_line_options(CommandLine& line, LineOptions& options) {
   line.text("PORT", options.port,
-            "A serial port (/dev/ttyUSB0, ttyUSB0), HOST:PORT, udp:HOST:PORT or rfc2217:HOST:PORT")
+            "A serial port (/dev/ttyUSB0, ttyUSB0), HOST:PORT, udp:HOST:PORT, tls:HOST:PORT or "
+            "rfc2217:HOST:PORT")
       .required();
   line.text("--protocol", options.protocol,
             std::string(kProtocolHelp) + " (modbus-rtu; for HOST:PORT modbus-tcp)");
@@ -197,12 +198,31 @@ void add_line_options(CommandLine& line, LineOptions& options) {
   line.duration("--timeout", options.timeout, CommandLine::kShortest,
                 "To the first byte of a response (500ms)");
   line.number("--retries", options.retries, 0, 10, "More tries after no response (1)");
+  line.text("--ca", options.tls.authority,
+            "With tls: PEM file with who signs the certificate of the device, or with it");
+  line.text("--certificate", options.tls.certificate, "With tls: PEM file of this client");
+  line.text("--key", options.tls.key, "With tls: PEM file of its private key");
+  line.text("--server-name", options.server_name,
+            "With tls: the name in the certificate of the device (HOST)");
 }
 
 std::string protocol_of(const LineOptions& options) {
   if (!options.protocol.empty()) return options.protocol;
   return is_path(options.port) || is_rfc2217(options.port) ? "modbus-rtu" : "modbus-tcp";
 }
+
+namespace {
+
+std::optional<std::string> tls_fault(const LineOptions& options, bool tls) {
+  const TlsSpec& files = options.tls;
+  const bool all = !files.authority.empty() && !files.certificate.empty() && !files.key.empty();
+  if (tls && !all) return "tls:HOST:PORT needs --ca, --certificate and --key";
+  if (!tls && (files != TlsSpec{} || !options.server_name.empty()))
+    return "--ca, --certificate, --key and --server-name are for tls:HOST:PORT";
+  return std::nullopt;
+}
+
+}  // namespace
 
 tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const LineFormat& factory) {
   LineFormat line = factory;
@@ -221,21 +241,24 @@ tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const Li
     port.line = line;
     return port;
   }
-  constexpr std::string_view kUdp = "udp:";
   std::string_view place = options.port;
-  const bool datagrams = place.starts_with(kUdp), rfc2217 = is_rfc2217(place);
-  place.remove_prefix(datagrams ? kUdp.size() : rfc2217 ? kRfc2217.size() : 0);
+  const bool datagrams = place.starts_with(kUdp), tls = place.starts_with(kTls),
+             rfc2217 = is_rfc2217(place);
+  place.remove_prefix(datagrams || tls ? kUdp.size() : rfc2217 ? kRfc2217.size() : 0);
   const auto host = config::host_port_from(place);
   if (!host)
     return tl::unexpected(
-        fmt::format("'{}' is none of a serial port (/dev/ttyUSB0), HOST:PORT, udp:HOST:PORT and "
-                    "rfc2217:HOST:PORT",
+        fmt::format("'{}' is none of a serial port (/dev/ttyUSB0), HOST:PORT, udp:HOST:PORT, "
+                    "tls:HOST:PORT and rfc2217:HOST:PORT",
                     printable(options.port)));
+  if (const auto fault = tls_fault(options, tls)) return tl::unexpected(*fault);
   if (rfc2217) return Rfc2217PortSpec{host->first, host->second, line};
   TcpPortSpec port;
   port.host = host->first;
   port.port = host->second;
   port.datagrams = datagrams;
+  if (tls) port.tls = options.tls;
+  port.server_name = options.server_name;
   if (options.baud || !options.format.empty()) port.line = line;
   return port;
 }

@@ -58,7 +58,7 @@ struct DirectRun {
 // Port and protocol on the command line: `fieldcast read /dev/ttyUSB0 --baud 9600 --format 8N1
 // --address 3 holding:100`.
 struct LineOptions {
-  std::string port;      // "/dev/ttyUSB0", "10.0.0.7:502"
+  std::string port;      // "/dev/ttyUSB0", "10.0.0.7:502", "tls:10.0.0.7:802"
   std::string protocol;  // empty: modbus-rtu, or modbus-tcp for HOST:PORT
   // Default: the factory settings of the protocol's devices.
   std::optional<std::uint32_t> baud;
@@ -67,6 +67,8 @@ struct LineOptions {
   std::vector<std::string> settings;  // "NAME=VALUE": options of the protocol
   Duration timeout = std::chrono::milliseconds{500};
   std::uint32_t retries = 1;
+  TlsSpec tls;              // with "tls:"
+  std::string server_name;  // with "tls:"; empty: its host
 };
 
 // "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a file of the working directory. HOST:PORT, a path,
