@@ -34,6 +34,7 @@ CHANNELS = {  # name: (at, type, value in the servers' memory)
     "switch": ("coil:41", "bool, access: read-write", False),
     "bit": ("holding:60.3", "bool, access: read-write", bool(1060 >> 3 & 1)),
 }
+NOT_QUEUED = {"third-queued": ("fifo:1246:3", "uint16"), "half-queued": ("fifo:1246:2", "uint32"), "none-queued": ("fifo:7:1", "uint16")}
 PYMODBUS_CHANNELS = {  # libmodbus has neither files nor objects
     **CHANNELS,
     **{f"object-{id}": (f"id:{id}", "string(244)", text) for id, text in OBJECTS.items()},
@@ -42,6 +43,11 @@ PYMODBUS_CHANNELS = {  # libmodbus has neither files nor objects
     **({
         "record": ("file:4:1", "uint16", 4001),
         "records": ("file:3:9", "uint32", (3009 << 16) + 3010),
+        "queued": ("fifo:1246", "uint16", 2),
+        "first-queued": ("fifo:1246:1", "uint16", 0x01B8),
+        "both-queued": ("fifo:1246:1", "uint32", 0x01B81284),
+        "empty-queue": ("fifo:7", "uint16", 0),
+        **{name: (at, kind, None) for name, (at, kind) in NOT_QUEUED.items()},
         "last-record": ("file:65535:9999", "uint16", (65535 * 1000 + 9999) & 0xFFFF),
         "recipe": ("file:5:100", "float32, access: read-write", None),
         "recipe-bit": ("file:5:120.3", "bool, access: read-write", bool(5120 >> 3 & 1)),
@@ -132,6 +138,9 @@ class BridgePeersTest(unittest.TestCase):
             try:
                 self.expect_values(buses, lambda name: {channel: value for channel, (_, _, value) in channels_of(name).items()
                                                         if value is not None})
+                if SERVES_FILES:
+                    samples = self.samples()
+                    self.assertEqual({samples["pymodbus-tcp", name]["quality"] for name in NOT_QUEUED}, {"BAD_RANGE"})
                 for name in buses:
                     for channel, value in writes_of(name).items():
                         done = self.cli("write", f"{name}/device/{channel}={json.dumps(value)}", "--verify", "--json")

@@ -4,17 +4,19 @@ usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, u
        pymodbus_server.py ascii PATH [BAUD [UNIT]]
        pymodbus_server.py tcp PORT [UNIT]            127.0.0.1
        pymodbus_server.py udp PORT [UNIT]            127.0.0.1, the frames of TCP as datagrams
+       pymodbus_server.py tls PORT [UNIT]            127.0.0.1, with --certificate, --key and --ca; clients need a certificate
        --registers FILE     JSON of {"first holding register": [values]}; all others are refused
 
 Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
 libmodbus_server.cpp:
   coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
-Only here: the objects of OBJECTS unless a FILE is given, and with SERVES_FILES record n of file f = 1000 f + n.
+Only here: the objects of OBJECTS unless a FILE is given, and with SERVES_FILES record n of file f = 1000 f + n, and QUEUES.
 """
 
 import asyncio
 import json
 import signal
+import ssl
 import struct
 import sys
 
@@ -22,21 +24,23 @@ from pymodbus.device import ModbusControlBlock
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext, ModbusSparseDataBlock
 
 try:  # version 3.0 of Debian 12
-    from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer, ModbusUdpServer
+    from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer, ModbusTlsServer, ModbusUdpServer
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
 except ImportError:  # version 3.8 of Debian 13
     from pymodbus.framer import FramerType
-    from pymodbus.server import ModbusSerialServer, ModbusTcpServer, ModbusUdpServer
+    from pymodbus.server import ModbusSerialServer, ModbusTcpServer, ModbusTlsServer, ModbusUdpServer
     ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer = FramerType.ASCII, FramerType.RTU, FramerType.SOCKET
     OLD = False
 else:
     OLD = True
 FIRST = 0 if OLD else 1  # place of address 0 in a block
 SERVES_FILES = OLD  # later versions have other classes for records
+QUEUES = {1246: [0x01B8, 0x1284], 7: []}  # by pointer; of 9 they are too many
 OBJECTS = {0: "Maker", 1: "Model 7", 2: "V1.2", 5: "Seven", 128: "S-42", 200: "x" * 244}
 
 ITEMS = range(500)
 REGISTERS = None  # holding registers of a file
+FILES = {"--certificate": None, "--key": None, "--ca": None}  # of TLS
 
 
 def memory(unit):
@@ -84,11 +88,36 @@ def serve_files():
         groups = b"".join(struct.pack(">BB", group.response_length, 6) + group.record_data for group in self.records)
         return struct.pack("B", len(groups)) + groups
 
+    from pymodbus.file_message import ReadFifoQueueRequest, ReadFifoQueueResponse
+
+    def read_queue(self, _):
+        if self.address == 9:
+            return self.doException(ModbusExceptions.IllegalValue)
+        if self.address not in QUEUES:
+            return self.doException(ModbusExceptions.IllegalAddress)
+        return ReadFifoQueueResponse(QUEUES[self.address])
+
+    def encode_queue(self):
+        """Version 3.0 counts bytes in place of registers."""
+        return struct.pack(f">HH{len(self.values)}H", 2 + 2 * len(self.values), len(self.values), *self.values)
+
+    ReadFifoQueueRequest.execute, ReadFifoQueueResponse.encode = read_queue, encode_queue
     ReadFileRecordRequest.execute, WriteFileRecordRequest.execute, ReadFileRecordResponse.encode = read, write, encode
 
 
+def tls_context():
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH, cafile=FILES["--ca"])
+    context.load_cert_chain(FILES["--certificate"], FILES["--key"])
+    context.verify_mode = ssl.CERT_REQUIRED
+    return context
+
+
 async def serve(kind, place, numbers):
-    if kind == "tcp":
+    if kind == "tls":
+        # The framer of TLS leaves the header out; the standard keeps it.
+        server = ModbusTlsServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)), sslctx=tls_context(),
+                                 **({"allow_reuse_address": True} if OLD else {}))
+    elif kind == "tcp":
         server = ModbusTcpServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)),
                                  **({"allow_reuse_address": True} if OLD else {}))
     elif kind == "udp":
@@ -124,11 +153,16 @@ def registers_of(path):
 
 def main():
     global REGISTERS
+    for option in FILES:
+        if option in sys.argv:
+            at = sys.argv.index(option)
+            FILES[option] = sys.argv[at + 1]
+            del sys.argv[at:at + 2]
     if "--registers" in sys.argv:
         at = sys.argv.index("--registers")
         REGISTERS = registers_of(sys.argv[at + 1])
         del sys.argv[at:at + 2]
-    if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp", "udp"):
+    if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp", "udp", "tls"):
         sys.exit(__doc__)
     if not REGISTERS:
         ModbusControlBlock().Identity.update(OBJECTS)

@@ -12,11 +12,12 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 from pymodbus.client import ModbusSerialClient
 try:  # version 3.0 of Debian 12
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
-    from pymodbus.file_message import FileRecord, ReadFileRecordRequest, WriteFileRecordRequest
+    from pymodbus.file_message import FileRecord, ReadFifoQueueRequest, ReadFifoQueueResponse, ReadFileRecordRequest, WriteFileRecordRequest
     from pymodbus.mei_message import ReadDeviceInformationRequest
     UNIT_1, WRITTEN = {"unit": 1}, {"write_registers": [7]}
     OLD = True
@@ -44,6 +45,7 @@ buses:
           - { name: limit, at: "holding:101", type: uint16, write: { min: 10, max: 20 }, access: read-write }
           - { name: lot, at: "holding:110", type: string(9) }
           - { name: run, at: "coil:3", type: bool, access: read-write }
+          - { name: queued, at: "fifo:1246:2", type: uint16, limits: { low: 4740, high: 4741 } }
       - { name: press-2, address: 2, channels: [ { name: flow, at: "input-register:7", type: uint16 } ] }
   - name: mill
     port: { serial: FOLDER/mill, baud: 115200, format: 8N1 }
@@ -147,6 +149,16 @@ class SimulatorTest(unittest.TestCase):
         groups = [group.record_data for group in read((4, 0, 3), (3, 9, 2)).records]
         self.assertEqual(groups, [b"\x00\x00\x0d\xfe\x00\x20", b"\x33\xcd\x00\x00"])
         self.assertEqual(read((4, 9999, 2)).exception_code, 2)
+
+    @unittest.skipUnless(OLD, "later versions have other classes for queues")
+    def test_pymodbus_reads_a_queue(self):
+        self.start().wait_ready()
+        master = self.rtu_master()
+        read = []
+        with unittest.mock.patch.object(ReadFifoQueueResponse, "decode", lambda response, data: read.append(data)):
+            self.assertFalse(master.execute(ReadFifoQueueRequest(1246, unit=1)).isError())
+        # Its own decoder takes the count for bytes.
+        self.assertIn(read, [[bytes.fromhex("0006 0002 0000 1284")], [bytes.fromhex("0006 0002 0000 1285")]])
 
     @unittest.skipUnless(OLD, "later versions have other calls")
     def test_pymodbus_reads_the_identification(self):
