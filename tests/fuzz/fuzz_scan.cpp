@@ -31,9 +31,12 @@ void run_walk(ByteView data) {
 }
 
 void run_scan(ByteView data) {
-  constexpr std::array kForms{"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"};
+  constexpr std::array kForms{"modbus-rtu", "modbus-ascii",  "modbus-tcp", "omron-hostlink",
+                              "s7-tcp",     "mitsubishi-mc", "omron-fins"};
   if (data.size() < 2) return;
-  const auto exchange = identity_exchange(kForms[data[0] % kForms.size()], 1);
+  Bytes session{1, 2};
+  const ScanLine line{.protocol = {find_protocol(kForms[data[0] % kForms.size()]), {}}};
+  const auto exchange = identity_exchange(line, 1, {1, &session});
   if (!exchange) std::abort();
   const std::array<std::size_t, 1> cuts{data[1]};
   const std::vector<Bytes> answers{Bytes(data.begin() + 2, data.end())};

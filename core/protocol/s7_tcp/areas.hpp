@@ -53,7 +53,8 @@ constexpr Areas areas_of(std::size_t pdu) {
           numbers("C")};
 }
 
-// "DB10.DBW20", "DB10.DBX20.3", "DB10.DBS20", "DB10.DTL20", "MB4", "M4.1", "IW0", "PIW752", "T5", "C5".
+// "DB10.DBW20", "DB10.DBX20.3", "DB10.DBS20", "DB10.DTL20", "MB4", "M4.1", "IW0", "PIW752", "T5",
+// "C5".
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(std::span<const Area> areas,
                                                                       std::string_view at);
 

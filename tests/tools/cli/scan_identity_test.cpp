@@ -11,6 +11,10 @@
 namespace fieldcast::cli {
 namespace {
 
+std::unique_ptr<Exchange> identity_of(std::string_view protocol, std::uint16_t address) {
+  return identity_exchange({.protocol = {find_protocol(protocol), {}}}, address);
+}
+
 TEST(ScanIdentity, ModbusDevicesNameThemselves) {
   // The example of Modbus Application Protocol V1.1b3, 6.21.
   const std::string vendor = "Company identification", product = "Product code XX",
@@ -26,7 +30,7 @@ TEST(ScanIdentity, ModbusDevicesNameThemselves) {
   answer.push_back(static_cast<std::uint8_t>(crc));
   answer.push_back(static_cast<std::uint8_t>(crc >> 8));
 
-  const auto exchange = identity_exchange("modbus-rtu", 5);
+  const auto exchange = identity_of("modbus-rtu", 5);
   Bytes out;
   EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
   EXPECT_EQ(to_hex(ByteView(out).first(5)), "05 2B 0E 01 00");
@@ -41,7 +45,7 @@ TEST(ScanIdentity, NothingThatComesBreaksIt) {
   std::uint32_t random = 1;
   for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"}) {
     for (unsigned run = 0; run < 3000; ++run) {
-      const auto exchange = identity_exchange(protocol, 5);
+      const auto exchange = identity_of(protocol, 5);
       Bytes out, bytes;
       (void)exchange->start(out);
       for (unsigned i = 0; i < 40; ++i) {
@@ -61,13 +65,13 @@ TEST(ScanIdentity, ARefusalIsNotAName) {
   const std::uint16_t crc = crc16_modbus(answer);
   answer.push_back(static_cast<std::uint8_t>(crc));
   answer.push_back(static_cast<std::uint8_t>(crc >> 8));
-  const auto exchange = identity_exchange("modbus-rtu", 5);
+  const auto exchange = identity_of("modbus-rtu", 5);
   Bytes out;
   (void)exchange->start(out);
   const Step step = exchange->on_bytes(answer, out);
   EXPECT_EQ(step.kind, Step::Kind::kFailed);
   EXPECT_EQ(step.cause, Cause::kDeviceError);
-  EXPECT_EQ(identity_exchange("s7-ppi", 5), nullptr);
+  EXPECT_EQ(identity_of("s7-ppi", 5), nullptr);
 }
 
 std::string hostlink_frame(const std::string& body) {
@@ -82,7 +86,7 @@ std::string identity_in(const Exchange& exchange) {
 }
 
 TEST(ScanIdentity, AnOlderOmronNamesItsModel) {
-  const auto exchange = identity_exchange("omron-hostlink", 7);
+  const auto exchange = identity_of("omron-hostlink", 7);
   Bytes out;
   EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
   EXPECT_EQ(std::string(out.begin(), out.end()), hostlink_frame("@07MM"));
@@ -95,7 +99,7 @@ TEST(ScanIdentity, AnOlderOmronNamesItsModel) {
 
 TEST(ScanIdentity, AnUnknownModelIsShownByItsCode) {
   EXPECT_EQ(hostlink_model_text(0x5A), "unknown model (model code 5A)");
-  const auto exchange = identity_exchange("omron-hostlink", 0);
+  const auto exchange = identity_of("omron-hostlink", 0);
   Bytes out;
   (void)exchange->start(out);
   ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM005A")), out).kind, Step::Kind::kDone);
@@ -105,7 +109,7 @@ TEST(ScanIdentity, AnUnknownModelIsShownByItsCode) {
 TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
   sim::HostLinkDevice device(sim::test::device_setup(3));
   const auto receiver = device.open_receiver();
-  const auto exchange = identity_exchange("omron-hostlink", 3);
+  const auto exchange = identity_of("omron-hostlink", 3);
   Bytes out;
   Step step = exchange->start(out);
   for (int question = 0; question < 2; ++question) {
@@ -121,7 +125,7 @@ TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
 
 TEST(ScanIdentity, TheModelStaysWhereFinsHasNoResponse) {
   for (const char* second : {"", "@00IC", "@00FA18", "@00FA00400000000501040100"}) {
-    const auto exchange = identity_exchange("omron-hostlink", 0);
+    const auto exchange = identity_of("omron-hostlink", 0);
     Bytes out;
     (void)exchange->start(out);
     ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM0030")), out).kind,
@@ -131,7 +135,7 @@ TEST(ScanIdentity, TheModelStaysWhereFinsHasNoResponse) {
     EXPECT_EQ(step.kind, Step::Kind::kDone) << second;
     EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30)") << second;
   }
-  const auto refused = identity_exchange("omron-hostlink", 0);
+  const auto refused = identity_of("omron-hostlink", 0);
   Bytes out;
   (void)refused->start(out);
   EXPECT_EQ(refused->on_bytes(bytes_of(hostlink_frame("@00MM21")), out).device_code, 0x21);

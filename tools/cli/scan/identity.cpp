@@ -48,7 +48,9 @@ class ModbusIdentity final : public Exchange {
 
 }  // namespace
 
-std::unique_ptr<Exchange> identity_exchange(std::string_view protocol, std::uint16_t address) {
+std::unique_ptr<Exchange> identity_exchange(const ScanLine& line, std::uint16_t address,
+                                            ExchangeContext context) {
+  const std::string_view protocol = line.protocol.name();
   const auto unit = static_cast<std::uint8_t>(address);
   if (protocol == "modbus-rtu")
     return std::make_unique<ModbusIdentity>(modbus::rtu_framing(), unit);
@@ -57,7 +59,7 @@ std::unique_ptr<Exchange> identity_exchange(std::string_view protocol, std::uint
   if (protocol == "modbus-tcp")
     return std::make_unique<ModbusIdentity>(modbus::tcp_framing(), unit);
   if (protocol == "omron-hostlink") return hostlink_identity(address);
-  return nullptr;
+  return controller_identity(line, context);
 }
 
 std::optional<TypeAddress> type_address(std::string_view protocol) {

@@ -8,14 +8,17 @@
 #include <string_view>
 
 #include "core/protocol/protocol.hpp"
+#include "tools/cli/scan/scan_plan.hpp"
 
 namespace fieldcast::cli {
 
 // The protocol's own identification request, whose reply is one range with the text. Modbus:
 // function 43, MEI type 14, "Vendor, Product, 1.2" (Modbus Application Protocol V1.1b3, 6.21). Host
-// Link: omron_identity.hpp. Null: the protocol has none.
-[[nodiscard]] std::unique_ptr<Exchange> identity_exchange(std::string_view protocol,
-                                                          std::uint16_t address);
+// Link: hostlink_identity(). Controllers on a network: controller_identity(). Null: the protocol
+// has none.
+[[nodiscard]] std::unique_ptr<Exchange> identity_exchange(const ScanLine& line,
+                                                          std::uint16_t address,
+                                                          ExchangeContext context = {});
 
 // Address of the device type in a family: D8001 of an FX, SMB6 of an S7-200.
 struct TypeAddress {
@@ -33,6 +36,16 @@ struct TypeAddress {
 // the name of the CPU.
 // The reply is one range with the text: "CS/CJ (model code 30), CS1H-CPU67H, 04.00".
 [[nodiscard]] std::unique_ptr<Exchange> hostlink_identity(std::uint16_t unit);
+
+// Identifies a controller on a connection that has had an exchange. Each part that the controller
+// refuses is missing in the text. Null for another protocol.
+//
+//   s7-tcp         system status lists 0011 and 001C (names), 0131 (connections)
+//                  "CPU 315-2 PN/DP, 6ES7 315-2EH14-0AB0, V3.2.6, PDU 240 bytes, 16 connections"
+//   mitsubishi-mc  command 0101: "Q03UDECPU (code 0268)"       (SH-080008, read CPU model name)
+//   omron-fins     command 0501: "CJ2M-CPU35, 02.01"           (W342, 5-3-15)
+[[nodiscard]] std::unique_ptr<Exchange> controller_identity(const ScanLine& line,
+                                                            ExchangeContext context);
 
 // "C250 (model code 01)"; for an unknown code "unknown model (model code 5A)".
 [[nodiscard]] std::string hostlink_model_text(std::uint8_t code);

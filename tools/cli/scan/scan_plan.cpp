@@ -42,6 +42,32 @@ constexpr std::array<LineFormat, 8> kTextFormats{{{9600, 7, Parity::kEven, 1},
                                                   {9600, 8, Parity::kNone, 1},
                                                   {19200, 8, Parity::kEven, 1}}};
 
+// Links of controllers on a network, most common first. An S7-200 SMART accepts the slots of an
+// S7-300 (S7NetPlus, pull request 395). The TSAPs of a LOGO! and of an S7-200 with CP 243-1 are
+// those of its configuration. These are the usual ones (python-snap7, issues 6 and 103; S7NetPlus,
+// pull request 395).
+struct UsualLink {
+  std::string_view protocol;
+  std::uint16_t address;
+  std::array<ProtocolOption, 3> options{};
+};
+constexpr UsualLink kUsualLinks[] = {
+    {"s7-tcp", 1},
+    {"s7-tcp", 2},
+    {"s7-tcp", 0},
+    {"s7-tcp", 3},
+    {"s7-tcp", 2, {{{"rack", "1"}}}},
+    {"s7-tcp", 0, {{{"cpu", "s7-200"}, {"tsap", "02.00"}, {"local-tsap", "03.00"}}}},
+    {"s7-tcp", 0, {{{"cpu", "s7-200"}, {"tsap", "20.00"}, {"local-tsap", "10.00"}}}},
+    {"s7-tcp", 0, {{{"cpu", "s7-200"}, {"tsap", "10.01"}, {"local-tsap", "10.00"}}}},
+    {"s7-tcp", 0, {{{"cpu", "s7-200"}, {"tsap", "10.00"}, {"local-tsap", "10.00"}}}},
+    {"mitsubishi-mc", 0},
+    {"mitsubishi-mc", 0, {{{"frame", "4e"}}}},
+    {"mitsubishi-mc", 0, {{{"code", "ascii"}}}},
+    {"mitsubishi-mc", 0, {{{"frame", "4e"}, {"code", "ascii"}}}},
+    {"omron-fins", 0},
+};
+
 bool same_format(const LineFormat& a, const LineFormat& b) {
   return a.data_bits == b.data_bits && a.parity == b.parity && a.stop_bits == b.stop_bits;
 }
@@ -73,6 +99,12 @@ Duration request_time(const ScanLine& line) {
 }
 
 }  // namespace
+
+std::unique_ptr<Protocol> scan_protocol(const ScanLine& line, std::uint16_t address) {
+  if (line.options.empty()) return scan_protocol(line.protocol, address);
+  auto made = line.protocol.built_in->make({.address = address, .options = line.options});
+  return made ? *std::move(made) : nullptr;
+}
 
 std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named, std::uint16_t address) {
   const ProtocolEntry* entry = named.built_in;
@@ -153,6 +185,13 @@ std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
   if (protocol.built_in != nullptr && protocol.built_in->one_device)
     there.assign(1, traits.lowest_address);
   std::vector<ScanLine> lines;
+  for (const auto& [name, address, options] : kUsualLinks) {
+    if (name != protocol.name()) continue;
+    lines.push_back({protocol, formats.front(), {address}});
+    for (const auto& [option, value] : options)
+      if (!option.empty()) lines.back().options.emplace(option, value);
+  }
+  if (!lines.empty()) return lines;
   for (const LineFormat& format : formats) {
     if (!there.empty()) lines.push_back({protocol, format, there});
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,7 +29,8 @@ struct ScanLine {
   NamedProtocol protocol;
   LineFormat format{};
   std::vector<std::uint16_t> addresses;
-  std::vector<std::uint16_t> probes{};  // empty: searches the line without probing
+  std::map<std::string, std::string> options{};  // of the devices
+  std::vector<std::uint16_t> probes{};           // empty: searches the line without probing
   Duration probe_wait{}, last_probe_wait{};
 };
 
@@ -36,6 +38,7 @@ struct ScanLine {
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named,
                                                       std::uint16_t address);
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named);
+[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const ScanLine& line, std::uint16_t address);
 
 // Usual settings of a protocol, most common first, after those of its factory. Only settings that
 // match `baud` and `format` (bits, parity and stop).
@@ -47,7 +50,8 @@ struct ScanLine {
 [[nodiscard]] tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(
     std::string_view text);
 
-// One line for each format. Omits addresses that the protocol does not have; a protocol with one
+// One line for each format, or for each usual link of a protocol of networks: its slot or TSAP, or
+// the form of its frames. Omits addresses that the protocol does not have; a protocol with one
 // device on its line is requested once.
 [[nodiscard]] std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
                                                const std::vector<LineFormat>& formats,

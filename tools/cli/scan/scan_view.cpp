@@ -37,6 +37,14 @@ std::string identity_text(const ScanFound& found) {
                                                  : found.identity;
 }
 
+// "cpu: s7-200, tsap: 10.01"; with `quote` as in a configuration.
+std::string options_text(const ScanLine& line, std::string_view quote = "") {
+  std::string text;
+  for (const auto& [name, value] : line.options)
+    text += fmt::format("{}{}: {}{}{}", text.empty() ? "" : ", ", name, quote, value, quote);
+  return text;
+}
+
 std::string type_of(const Protocol& protocol, const ScanQuestion& question) {
   return type_at(question.at, {}, protocol).value_or("uint16");
 }
@@ -44,7 +52,9 @@ std::string type_of(const Protocol& protocol, const ScanQuestion& question) {
 }  // namespace
 
 std::string line_text(const ScanLine& line, bool serial) {
-  return std::string(line.protocol.name()) + (serial ? ' ' + to_text(line.format) : "");
+  const std::string name(line.protocol.name());
+  if (serial) return name + ' ' + to_text(line.format);
+  return line.options.empty() ? name : fmt::format("{} {{ {} }}", name, options_text(line));
 }
 
 ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial) {
@@ -132,6 +142,7 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
     json.add("format", format_text(line.format));
   }
   json.add("address", found.address);
+  if (!line.options.empty()) json.add("options", line.options);
   json.add("answer",
            found.response.cause == Cause::kNone ? "value" : to_name(found.response.cause));
   json.add("device_code", found.response.device_code);
@@ -144,7 +155,7 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
 
 std::string configuration_text(const std::string& port, bool serial, const Scanner& scanner) {
   const ScanLine& line = scanner.lines()[scanner.found().front().line];
-  const auto protocol = scan_protocol(line.protocol);
+  const auto protocol = scan_protocol(line, line.addresses.front());
   const auto questions = questions_of(line.protocol, *protocol);
   const std::string reached = serial ? fmt::format("serial: \"{}\", baud: {}, format: {}", port,
                                                    line.format.baud, format_text(line.format))
@@ -165,6 +176,8 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
     const ScanQuestion& asked = questions[std::min(found.question, questions.size() - 1)];
     text +=
         fmt::format("      - name: device-{}\n        address: {}\n", found.address, found.address);
+    if (!line.options.empty())
+      text += fmt::format("        options: {{ {} }}\n", options_text(line, "\""));
     if (const std::string identity = identity_text(found); !identity.empty())
       text += fmt::format("        # it says: {}\n", comment_text(identity));
     if (found.response.cause != Cause::kNone)

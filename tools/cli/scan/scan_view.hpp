@@ -12,7 +12,7 @@
 
 namespace fieldcast::cli {
 
-// "modbus-rtu 9600 8N1"; without the format for a TCP port.
+// "modbus-rtu 9600 8N1"; for a TCP port with the options, "mitsubishi-mc { frame: 4e }".
 [[nodiscard]] std::string line_text(const ScanLine& line, bool serial);
 
 // "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Assumes that no
@@ -28,9 +28,9 @@ namespace fieldcast::cli {
 [[nodiscard]] std::vector<std::string> silence_lines(const std::string& port,
                                                      const Scanner& scanner, bool serial,
                                                      Duration timeout);
-// {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
-// "identity", "sunspec" (only if it has SunSpec models: sunspec_json())}; response_time in
-// nanoseconds.
+// {"port", "protocol", "baud", "format", "address", "options" (if any),
+// "answer", "device_code", "answer_time", "identity", "sunspec" (only if it has SunSpec models:
+// sunspec_json())}; response_time in nanoseconds.
 [[nodiscard]] Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                               bool serial);
 

@@ -31,6 +31,8 @@ constexpr std::uint16_t kNotDigits = 0xC050, kManyBits = 0xC051, kManyWords = 0x
                         kManyRandomBits = 0xC053, kManyRandomWords = 0xC054, kNoCommand = 0xC059,
                         kNoDevice = 0xC05B, kWrongUnits = 0xC05C, kBitValue = 0xC060,
                         kLengthDiffers = 0xC061;
+constexpr std::string_view kMcModel = "Q03UDECPU";
+constexpr std::uint16_t kMcCode = 0x0268;
 constexpr std::uint16_t kCpuError = 0x4000;
 constexpr std::uint8_t kOutside = 0x31;  // after 40
 constexpr std::uint8_t kThree = 0x50, kFour = 0x54, kResponse = 0x80;
@@ -271,9 +273,19 @@ McDevice::Result McDevice::execute(std::uint32_t command, std::uint32_t subcomma
     case 0x0401: return batch(false, bits, text, now);
     case 0x1401: return batch(true, bits, text, now);
     case 0x0403: return bits ? Result{kNoCommand, {}} : random_read(series_r, text, now);
+    case 0x0101: return cpu_model();
     case 0x1402: return random_write(bits, series_r, text);
     default: return {kNoCommand, {}};
   }
+}
+
+// name of 16 characters, code(2)
+McDevice::Result McDevice::cpu_model() const {
+  Result result;
+  result.data.assign(kMcModel.begin(), kMcModel.end());
+  result.data.resize(16, ' ');
+  append_field(result.data, kMcCode, 2);
+  return result;
 }
 
 std::uint16_t McDevice::refusal_of_bits(const Place& place, std::uint32_t bits) const {

@@ -61,6 +61,7 @@ class McDevice : public MemoryDevice {
   void answer(ByteView frame, Instant now, Reaction& reaction);
   [[nodiscard]] Result execute(std::uint32_t command, std::uint32_t subcommand, Text& text,
                                Instant now);
+  [[nodiscard]] Result cpu_model() const;
   [[nodiscard]] Result batch(bool write, bool bits, Text& text, Instant now);
   [[nodiscard]] Result random_read(bool series_r, Text& text, Instant now) const;
   [[nodiscard]] Result random_write(bool bits, bool series_r, Text& text);

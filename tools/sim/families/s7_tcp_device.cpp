@@ -63,8 +63,9 @@ class S7TcpDevice::Connection : public Receiver {
 
   void connect(ByteView tpdu, Reaction& reaction) {
     const auto tsap = called_tsap(tpdu);
-    // The high byte is the kind of the connection.
-    connected_ = tsap && (*tsap == device_.tsap_ || (*tsap & 0xFFu) == (device_.tsap_ & 0xFFu));
+    // The high byte of a place is the kind of the connection.
+    const std::uint16_t compared = device_.named_ ? 0xFFFF : 0x00FF;
+    connected_ = tsap && (*tsap & compared) == (device_.tsap_ & compared);
     if (!connected_) {
       reaction.response =
           tpkt_of(Bytes{6, kDisconnect, tpdu[4], tpdu[5], 0, 0, 3});  // address unknown
@@ -88,9 +89,10 @@ class S7TcpDevice::Connection : public Receiver {
 };
 
 S7TcpDevice::S7TcpDevice(const DeviceSetup& setup, std::span<const S7Area> areas,
-                         std::uint16_t tsap)
+                         std::uint16_t tsap, bool named)
     : MemoryDevice({s7_areas(areas), setup}),
       tsap_(tsap),
+      named_(named),
       unit_(memory_, statistics_, areas, kMostMessage) {}
 
 std::unique_ptr<Receiver> S7TcpDevice::open_receiver() {
@@ -117,7 +119,7 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make_s7_tcp_device(const D
   if (setup.spec.link.address > 31)
     return tl::unexpected(setup.spec.name + ": slot " + std::to_string(setup.spec.link.address) +
                           " is not 0..31");
-  auto device = std::make_unique<S7TcpDevice>(setup, areas, called);
+  auto device = std::make_unique<S7TcpDevice>(setup, areas, called, !tsap.empty());
   const auto parse = [areas](std::string_view at) { return parse_s7_address(areas, at); };
   if (auto added = device->memory().add_channels(setup, parse); !added)
     return tl::unexpected(added.error());

@@ -12,7 +12,9 @@ namespace fieldcast::sim {
 
 class S7TcpDevice : public MemoryDevice {
  public:
-  S7TcpDevice(const DeviceSetup& setup, std::span<const S7Area> areas, std::uint16_t tsap);
+  // `named`: the TSAP is that of an option; otherwise it is the place of the CPU.
+  S7TcpDevice(const DeviceSetup& setup, std::span<const S7Area> areas, std::uint16_t tsap,
+              bool named);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
 
@@ -20,6 +22,7 @@ class S7TcpDevice : public MemoryDevice {
   class Connection;
 
   const std::uint16_t tsap_;
+  const bool named_;
   S7Unit unit_;
 };
 

@@ -78,6 +78,8 @@ namespace {
 constexpr std::size_t kHead = 10, kItem = 12;
 constexpr std::uint8_t kGood = 0xFF, kNotAccessible = 0x03, kOutOfRange = 0x05, kTypeWrong = 0x06,
                        kSizeWrong = 0x07, kMissing = 0x0A;
+constexpr std::uint16_t kNoList = 0xD401, kConnections = 16;
+constexpr std::string_view kCpuName = "CPU 1511-1 PN", kOrderNumber = "6ES7 511-1AK02-0AB0 ";
 constexpr std::uint16_t kUnknownFunction = 0x8104, kTooLong = 0x8500;
 
 Bytes acknowledge(ByteView reference, std::uint16_t error, ByteView parameters, ByteView data) {
@@ -104,7 +106,53 @@ Bytes S7Unit::refuse(ByteView reference, std::uint16_t error) {
   return acknowledge(reference, error, {}, {});
 }
 
+// 32 07 .. 000112 04 11 44 01 00, FF 09 0004 list(2) index(2): reads a system status list. The CPU
+// has the lists 001C and 0011 (names) and 0131 (connections).
+Bytes S7Unit::status_list(ByteView request) {
+  constexpr std::size_t kRequest = 26, kListAt = 22;
+  if (request.size() != kRequest || request[14] != 0x11 || request[15] != 0x44) return {};
+  ++statistics_.responses;
+  const std::uint16_t list = read_u16(request, kListAt);
+  ++statistics_.requests["list"];
+  Bytes records;
+  const auto add = [&](std::uint16_t index, std::string_view text, std::size_t size) {
+    append_u16(records, index);
+    records.insert(records.end(), text.begin(), text.end());
+    records.resize(records.size() + size - text.size());
+  };
+  std::uint16_t size = 0;
+  if (list == 0x001C) {
+    for (const std::uint16_t index : {1, 2, 3, 4, 5, 7}) add(index, index == 7 ? kCpuName : "", 32);
+    size = 34;
+  } else if (list == 0x0011) {
+    add(1, kOrderNumber, 26);
+    add(7, "", 22);
+    append(records, Bytes{'V', 2, 9, 4});
+    size = 28;
+  } else if (list == 0x0131) {
+    append_u16(records, 1);
+    append_u16(records, most_);
+    append_u16(records, kConnections);
+    records.resize(40);
+    size = 40;
+  }
+  const bool known = size != 0;
+  Bytes response{0x32, 0x07, 0, 0, request[4], request[5], 0, 12, 0};
+  response.push_back(static_cast<std::uint8_t>(known ? 12 + records.size() : 4));
+  append(response, Bytes{0, 1, 0x12, 8, 0x12, 0x84, 1, 1, 0, 0});
+  append_u16(response, known ? 0 : kNoList);
+  append(response, Bytes{known ? kGood : kMissing, 9});
+  append_u16(response, static_cast<std::uint16_t>(known ? 8 + records.size() : 0));
+  if (!known) return response;
+  append(response, request.subspan(kListAt, 4));
+  append_u16(response, size);
+  append_u16(response, static_cast<std::uint16_t>(records.size() / size));
+  append(response, records);
+  return response;
+}
+
 Bytes S7Unit::execute(ByteView job, Instant now) {
+  if (job.size() > 1 && job[0] == 0x32 && job[1] == 0x07) return status_list(job);
   if (job.size() < kHead + 1 || job[0] != 0x32 || job[1] != 0x01) return {};
   const ByteView reference = job.subspan(4, 2);
   const std::size_t parameter_size = read_u16(job, 6), data_size = read_u16(job, 8);

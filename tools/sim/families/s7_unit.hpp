@@ -99,6 +99,7 @@ class S7Unit {
   [[nodiscard]] std::uint8_t store(const Item& item, std::uint8_t transport, std::uint16_t length,
                                    ByteView value, Instant now);
   [[nodiscard]] Bytes value_of(const Item& item, Instant now) const;
+  [[nodiscard]] Bytes status_list(ByteView request);
   [[nodiscard]] Bytes refuse(ByteView reference, std::uint16_t error);
   std::uint8_t counted(std::uint8_t fault);
 

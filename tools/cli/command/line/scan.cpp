@@ -53,7 +53,11 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   if (lines.empty())
     return tl::unexpected(
         fmt::format("the protocol has none of the addresses {}", options.addresses));
-  if (!options.all && !options.timeout && silent_scan_time(lines, kUsualTimeout) > kQuickScan)
+  const bool many = serial || std::ranges::any_of(lines, [](const ScanLine& each) {
+                      return each.addresses.size() > 1;
+                    });
+  if (many && !options.all && !options.timeout &&
+      silent_scan_time(lines, kUsualTimeout) > kQuickScan)
     plan_probes(lines);
   return lines;
 }
@@ -143,20 +147,25 @@ class Scan {
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
     const ScanLine& next = scanner_.lines()[line];
-    if (!line_ || serial_) {
+    const bool has_session =
+        next.protocol.built_in != nullptr && next.protocol.built_in->network_only;
+    if (!line_ || serial_ || has_session) {
       if (auto opened = talk_.open(port_with(port_, next.format)); !opened) return opened;
+      session_.clear();
     }
     // A quick search does not rest, because its time is limited: it finds such a device only on the
     // first line.
     if (line_ && serial_ && next.probes.empty()) talk_.rest(kScanRest);
     line_ = line;
-    protocol_ = scan_protocol(next.protocol);
+    protocol_ = scan_protocol(next, next.addresses.front());
     questions_ = questions_of(next.protocol, *protocol_);
     return {};
   }
 
+  [[nodiscard]] ExchangeContext context() { return {++sequence_, &session_}; }
+
   [[nodiscard]] std::unique_ptr<Protocol> device(std::uint16_t address) const {
-    return scan_protocol(scanner_.lines()[*line_].protocol, address);
+    return scan_protocol(scanner_.lines()[*line_], address);
   }
 
   tl::expected<ScanResponse, std::string> question(const ScanAsk& ask) {
@@ -164,8 +173,12 @@ class Scan {
     if (!protocol) return ScanResponse{};
     const ScanQuestion& asked = questions_[std::min(ask.question, questions_.size() - 1)];
     const Duration timeout = ask.wait.value_or(options_.timeout.value_or(kUsualTimeout));
-    auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), ask.address,
+    auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, context()), ask.address,
                       "reads " + asked.at, timeout);
+    if (!heard && !serial_ && scanner_.lines().size() > 1) {
+      line_.reset();  // the controller closed the connection, as it has no such link
+      return ScanResponse{.cause = Cause::kPortClosed};
+    }
     if (!heard) return tl::unexpected(std::move(heard.error()));
     ScanResponse response{.cause = heard->cause,
                           .device_code = heard->device_code,
@@ -178,7 +191,10 @@ class Scan {
       response.cause = heard->reply.front().cause;
       response.device_code = heard->reply.front().device_code;
     }
-    if (response.cause == Cause::kNone) response.shape = ResponseShape::kOther;
+    // The connection is refused: there is no slot or TSAP as this one.
+    const bool refused = response.cause == Cause::kMalformed && response.device_code != 0;
+    if (response.cause == Cause::kNone || refused) response.shape = ResponseShape::kOther;
+    if (refused) response.bytes = 0;
     response.device = response.cause == Cause::kNone || response.cause == Cause::kDeviceError ||
                       response.cause == Cause::kDeviceBusy;
     return response;
@@ -199,7 +215,7 @@ class Scan {
     if (!turn_to(found.line)) return {};
     const ScanLine& line = scanner_.lines()[found.line];
     const Duration timeout = options_.timeout.value_or(kUsualTimeout);
-    if (auto exchange = identity_exchange(line.protocol.name(), found.address)) {
+    if (auto exchange = identity_exchange(line, found.address, context())) {
       const auto heard = talk(std::move(exchange), found.address, "asks who it is", timeout);
       if (!heard || heard->cause != Cause::kNone) return {};
       const Bytes& text = heard->reply.front().items;
@@ -210,7 +226,7 @@ class Scan {
     if (!type || !protocol) return {};
     const auto at = protocol->parse_address(type->at);
     if (!at) return {};
-    const auto heard = talk(protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, {++sequence_}),
+    const auto heard = talk(protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, context()),
                             found.address, "reads " + std::string(type->at), timeout);
     if (!heard || heard->cause != Cause::kNone || heard->reply.front().cause != Cause::kNone)
       return {};
@@ -228,10 +244,10 @@ class Scan {
     const auto area = protocol->parse_address("holding:0");
     SunSpecWalk walk;
     for (auto read = walk.next(); read && area && !interrupt_.raised(); read = walk.next()) {
-      const auto heard = talk(
-          protocol->begin(ReadRequest{{{area->area, read->first, read->count}}}, {++sequence_}),
-          found.address, fmt::format("reads holding:{}", read->first),
-          options_.timeout.value_or(kUsualTimeout));
+      const auto heard =
+          talk(protocol->begin(ReadRequest{{{area->area, read->first, read->count}}}, context()),
+               found.address, fmt::format("reads holding:{}", read->first),
+               options_.timeout.value_or(kUsualTimeout));
       if (!heard) break;
       const Cause cause = heard->cause != Cause::kNone || heard->reply.empty()
                               ? heard->cause
@@ -258,6 +274,7 @@ class Scan {
   std::unique_ptr<Protocol> protocol_;
   std::vector<ScanQuestion> questions_;
   std::uint16_t sequence_ = 0;
+  Bytes session_;  // of the connection, see ExchangeContext
 };
 
 void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
@@ -283,6 +300,10 @@ void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool se
            "and no device responds\n";
   if (!scanner.noisy_lines().empty())
     err << "another master may speak there, or the settings are others\n";
+  else if (!serial && scanner.lines().size() > 1)
+    for (const ScanLine& line : scanner.lines())
+      err << "  tried: " << line_text(line, serial) << ", address " << line.addresses.front()
+          << '\n';
   else if (serial)
     err << "look at A and B (D+ and D-) of the line, its termination and the supply of the device; "
            "try --protocol, --addresses 1-247, --all, or a longer --timeout\n";
