@@ -3,8 +3,10 @@
 // with the prediction. The device of modbus-tcp is libmodbus, and the loop reads the optimal
 // partition. The other devices are simulated, and the loop reads the blocks of the plan.
 //
-// usage: in_flight_bench [--seconds N] [--in-flight N] [--protocol NAME]
+// usage: in_flight_bench [--seconds N] [--in-flight N] [--protocol NAME] [--connections N]
 // NAME: modbus-tcp, s7-tcp, mitsubishi-mc, omron-fins
+// --connections N: the words are those of N buses, each with a connection of its own. libmodbus
+// serves one connection, so the device is then simulated with modbus-tcp too.
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -16,9 +18,11 @@
 #include <deque>
 #include <memory>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "config/loader/loader.hpp"
 #include "core/plan/layout/cost.hpp"
@@ -52,8 +56,7 @@ int connect_to(std::uint16_t port) {
   return connection;
 }
 
-// A network: passes requests on immediately, and each part of a response after the round trip. One
-// client at a time.
+// A network: passes requests on immediately, and each part of a response after the round trip.
 class Network {
  public:
   explicit Network(std::uint16_t server) : server_(server), port_(free_port()) {
@@ -81,20 +84,24 @@ class Network {
     Bytes bytes;
   };
   void serve() {
-    prctl(PR_SET_TIMERSLACK, 1000);
+    std::vector<std::thread> clients;
     while (!ends_) {
       pollfd waiting{listener_, POLLIN, 0};
       if (poll(&waiting, 1, 50) <= 0) continue;
       const int client = accept(listener_, nullptr, nullptr);
       if (client < 0) continue;
       send_immediately(client);
-      const int server = connect_to(server_);
-      carry(client, server);
-      close(client);
-      close(server);
+      clients.emplace_back([this, client] {
+        const int server = connect_to(server_);
+        carry(client, server);
+        close(client);
+        close(server);
+      });
     }
+    for (std::thread& client : clients) client.join();
   }
   void carry(int client, int server) const {
+    prctl(PR_SET_TIMERSLACK, 1000);
     std::deque<Part> parts;
     Bytes buffer(65536);
     while (!ends_) {
@@ -150,7 +157,19 @@ const Family& family_of(const std::string& protocol) {
   throw std::runtime_error("no protocol '" + protocol + "', see the usage in the source");
 }
 
-std::string bus(const Family& family, std::uint16_t port, int in_flight) {
+// Of the channels of a device, which are lines, those of one connection.
+std::string channels_of(const std::string& devices, int connection, int connections) {
+  std::string part;
+  std::istringstream lines(devices);
+  int channel = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_channel = line.find("at:") != std::string::npos;
+    if (!is_channel || channel++ * connections / kRegisters == connection) part += line + '\n';
+  }
+  return part;
+}
+
+std::string bus(const Family& family, std::uint16_t port, int in_flight, int connections = 1) {
   const std::string scattered = scattered_devices(1, kRegisters, 42);
   const std::regex address("holding:([0-9]+)");
   std::string devices;
@@ -162,18 +181,23 @@ std::string bus(const Family& family, std::uint16_t port, int in_flight) {
   }
   devices.append(rest, scattered.end());
   devices.insert(devices.find("        channels:"), family.device);
-  return "  - name: bus\n    port: { tcp: \"127.0.0.1:" + std::to_string(port) +
-         "\" }\n    protocol: " + family.protocol +
-         "\n    in-flight: " + std::to_string(in_flight) +
-         "\n    defaults: { refresh: 1s, mode: intensive }\n    devices:\n" + devices;
+  std::string buses;
+  for (int i = 0; i < connections; ++i)
+    buses += "  - name: bus-" + std::to_string(i) +
+             "\n    port: { tcp: \"127.0.0.1:" + std::to_string(port) +
+             "\" }\n    protocol: " + family.protocol +
+             "\n    in-flight: " + std::to_string(in_flight) +
+             "\n    defaults: { refresh: 1s, mode: intensive }\n    devices:\n" +
+             channels_of(devices, i, connections);
+  return buses;
 }
 
-BusSpec loaded(const std::string& path) {
+std::vector<BusSpec> loaded(const std::string& path) {
   auto config = config::load_file(path);
   if (!config)
     throw std::runtime_error("the bench's own configuration is faulty: " +
                              to_text(config.error().front()));
-  return std::move(config->buses.front());
+  return std::move(config->buses);
 }
 
 Prediction prediction_for(const BusSpec& bus, const Protocol& protocol, Duration response_time) {
@@ -273,10 +297,10 @@ double bridge_refreshes(Plant& plant, double seconds) {
 }
 
 // libmodbus, or the simulator with a configuration of its own.
-std::unique_ptr<Process> start_device(const Family& family, std::uint16_t port,
+std::unique_ptr<Process> start_device(const Family& family, std::uint16_t port, bool simulated,
                                       const ScratchFolder& folder) {
   const std::string log = folder.path() + "/device.log";
-  if (&family == &kFamilies[0]) {
+  if (!simulated) {
     auto server = std::make_unique<Process>(
         "libmodbus-server", std::vector<std::string>{"tcp", std::to_string(port), "65535"}, log);
     if (!wait_for_text(log, "READY", 5))
@@ -292,14 +316,18 @@ std::unique_ptr<Process> start_device(const Family& family, std::uint16_t port,
   return simulator;
 }
 
-void run(double seconds, int in_flight, const Family& family) {
+void run(double seconds, int in_flight, int connections, const Family& family) {
   prctl(PR_SET_TIMERSLACK, 1000);
   const ScratchFolder folder;
   const std::uint16_t device_port = free_port();
-  const auto device = start_device(family, device_port, folder);
+  const bool simulated = connections > 1 || &family != &kFamilies[0];
+  const auto device = start_device(family, device_port, simulated, folder);
   const Network network(device_port);
-  Plant plant(bus(family, network.port(), in_flight));
-  const BusSpec spec = loaded(plant.config());
+  Plant plant(bus(family, network.port(), in_flight, connections));
+  const ScratchFolder whole;
+  const BusSpec spec = loaded(whole.write("whole.yaml", "bridge: whole\nbuses:\n" +
+                                                            bus(family, network.port(), in_flight)))
+                           .front();
   const auto protocol = make_protocol(spec.devices.front(), line_of(spec.port)).value();
   const auto reads =
       has_lists(spec, *protocol) ? planned_reads(spec, *protocol) : optimal_reads(spec, *protocol);
@@ -311,9 +339,11 @@ void run(double seconds, int in_flight, const Family& family) {
     let_run(0.2);
   }
   const double round_trip = kRegisters / bare / static_cast<double>(reads.size());
-  const double predicted = predicted_refreshes(spec, *protocol, from_seconds(round_trip));
-  std::printf("%s, %d words in %zu reads, %d in flight\n", family.protocol, kRegisters,
-              reads.size(), in_flight);
+  double predicted = 0;
+  for (const BusSpec& part : loaded(plant.config()))
+    predicted += predicted_refreshes(part, *protocol, from_seconds(round_trip));
+  std::printf("%s, %d words in %zu reads, %d connections with %d in flight\n", family.protocol,
+              kRegisters, reads.size(), connections, in_flight);
   print_figure("bare blocking loop, channel refreshes a second", bare, "1/s");
   print_figure("its round trip", 1000 * round_trip, "ms");
   print_figure("bridge, samples at a station", bridged, "1/s");
@@ -329,6 +359,7 @@ int main(int argc, char** argv) {
   using namespace fieldcast::bench;
   return run_bench("in_flight_bench", argc, argv, [](const Arguments& arguments) {
     run(arguments.number("--seconds", 10.0), static_cast<int>(arguments.number("--in-flight", 4)),
+        static_cast<int>(arguments.number("--connections", 1)),
         family_of(arguments.text("--protocol", "modbus-tcp")));
   });
 }
