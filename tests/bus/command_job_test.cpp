@@ -405,6 +405,25 @@ TEST_F(RawCommandTest, AProtocolWithoutMasksRejectsThem) {
   EXPECT_EQ(why_not(two), "this protocol writes no bits by a mask");
 }
 
+TEST_F(RawCommandTest, ADateIsATextOfItsAddress) {
+  use("s7-tcp");
+  const Encoding text{.type = ValueType::kString, .string_bytes = 29};
+  auto job = make(raw("DB1.DTL4", text, {std::string("2026-11-28T10:15:00.5")}));
+  ASSERT_TRUE(job) << job.error().reason;
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).range, (Range{0, 4, 12}));
+  EXPECT_EQ(to_hex(std::get<WriteRequest>(*job->next()).items),
+            "07 EA 0B 1C 07 0A 0F 00 1D CD 65 00");
+  EXPECT_EQ(why_not(raw("DB1.DTL4", text, {std::string("2026-13-28T10:15:00")})),
+            "'2026-13-28T10:15:00' does not fit a date and time like 2026-11-28T10:15:00.000");
+  EXPECT_EQ(why_not(raw("DB1.DT4", text, {std::string("2026-11-28T10:15:00")})),
+            "type string(29) at 'DB1.DT4', which is a date; allowed: string(23)");
+  job = make(raw_read("DB1.DTL4", text, 1));
+  ASSERT_TRUE(job) << job.error().reason;
+  job->responded(items({0x07, 0xEA, 13, 1, 1, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(result(*job).state, CommandState::kFailed) << "month 13";
+  EXPECT_EQ(result(*job).cause, Cause::kRange);
+}
+
 TEST_F(RawCommandTest, TheOrderOfTheFamilyHolds) {
   use("mitsubishi-fx");
   auto job = make(raw("D0", {ValueType::kUint32}, {std::uint64_t{0x12345678}}));
