@@ -110,7 +110,11 @@ JoinCheck check_joining(const BridgeSpec& spec) {
 }
 
 void report_access(const ProgramSpec& spec, Report say) {
-  if (spec.engineers) say("program", program::to_text(*spec.engineers));
+  if (spec.engineers) {
+    say("program", program::to_text(*spec.engineers));
+    for (const EngineerPortSpec& port : spec.engineers->ports)
+      say("program", program::to_text(*spec.engineers, port));
+  }
   if (spec.modules) say("program", program::to_text(*spec.modules));
 }
 

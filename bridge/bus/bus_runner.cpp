@@ -216,8 +216,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       return granted(tl::make_unexpected(not_open()));
     }
     const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
-    granted(
-        LeasedLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+    granted(LeasedLine{++lease_, std::move(line),
+                       has_line(spec_.port) ? line_of(spec_.port) : LineFormat{},
+                       serial ? std::optional(serial->line) : std::nullopt});
   }
 
   void revoke(const std::string& reason) {

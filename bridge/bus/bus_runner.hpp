@@ -54,6 +54,7 @@ class MasterLease;
 struct LeasedLine {
   std::uint64_t lease = 0;             // number for end_lease()
   FileDescriptor line;                 // non-blocking, owned by the session
+  LineFormat format{};                 // of the line, as configured
   std::optional<LineFormat> settings;  // of a serial port: the settings that may be changed
 };
 struct LeaseRefused {

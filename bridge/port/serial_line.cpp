@@ -131,6 +131,55 @@ std::optional<program::LineSettings> rate_of(int fd) {
   return rate;
 }
 
+namespace {
+
+bool set_flow(int fd, tcflag_t input, tcflag_t control) {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) return false;
+  settings.c_iflag = (settings.c_iflag & ~static_cast<tcflag_t>(IXON | IXOFF)) | input;
+  settings.c_cflag = (settings.c_cflag & ~static_cast<tcflag_t>(CRTSCTS)) | control;
+  settings.c_cc[VSTART] = 0x11;  // XON
+  settings.c_cc[VSTOP] = 0x13;   // XOFF
+  return ::ioctl(fd, TCSETS2, &settings) == 0;
+}
+
+bool set_modem_line(int fd, int line, bool on) {
+  const bool done = ::ioctl(fd, on ? TIOCMBIS : TIOCMBIC, &line) == 0;
+  return done || errno == ENOTTY || errno == EINVAL;
+}
+
+}  // namespace
+
+bool set_control(int fd, telnet::Control control) {
+  using telnet::Control;
+  switch (control) {
+    case Control::kNoFlow: return set_flow(fd, 0, 0);
+    case Control::kSoftwareFlow: return set_flow(fd, IXON | IXOFF, 0);
+    case Control::kHardwareFlow: return set_flow(fd, 0, CRTSCTS);
+    case Control::kBreakOn: return ::ioctl(fd, TIOCSBRK) == 0;
+    case Control::kBreakOff: return ::ioctl(fd, TIOCCBRK) == 0;
+    case Control::kDtrOn:
+    case Control::kDtrOff: return set_modem_line(fd, TIOCM_DTR, control == Control::kDtrOn);
+    case Control::kRtsOn:
+    case Control::kRtsOff: return set_modem_line(fd, TIOCM_RTS, control == Control::kRtsOn);
+    default: return false;
+  }
+}
+
+std::uint8_t modem_state(int fd) {
+  int lines = TIOCM_CAR | TIOCM_DSR | TIOCM_CTS;
+  int found = 0;
+  if (::ioctl(fd, TIOCMGET, &found) == 0) lines = found;
+  return static_cast<std::uint8_t>(
+      ((lines & TIOCM_CAR) != 0 ? 0x80 : 0) | ((lines & TIOCM_RNG) != 0 ? 0x40 : 0) |
+      ((lines & TIOCM_DSR) != 0 ? 0x20 : 0) | ((lines & TIOCM_CTS) != 0 ? 0x10 : 0));
+}
+
+void purge(int fd, std::uint32_t what) {
+  if (what >= 1 && what <= 3)
+    ::ioctl(fd, TCFLSH, what == 1 ? TCIFLUSH : what == 2 ? TCOFLUSH : TCIOFLUSH);
+}
+
 void drop_unsent(int fd) { ::ioctl(fd, TCFLSH, TCOFLUSH); }
 
 }  // namespace fieldcast

@@ -9,6 +9,7 @@
 
 #include "core/model/bus_spec.hpp"
 #include "core/program/frame.hpp"
+#include "core/telnet/com_port.hpp"
 
 namespace fieldcast {
 
@@ -35,6 +36,16 @@ struct LineRemark {
 // Returns the present baud rate and stop bits; at the master of a pseudo-terminal, those set at its
 // slave. Linux sets data bits and parity there to 8N (drivers/tty/pty.c, pty_set_termios).
 [[nodiscard]] std::optional<program::LineSettings> rate_of(int fd);
+
+// Flow control, break, DTR or RTS. Returns false if the driver refuses. A pseudo-terminal has no
+// modem lines and accepts any value for them.
+[[nodiscard]] bool set_control(int fd, telnet::Control control);
+
+// State of the modem lines as in NOTIFY-MODEMSTATE of RFC 2217. Without modem lines: DCD, DSR, CTS.
+[[nodiscard]] std::uint8_t modem_state(int fd);
+
+// PURGE-DATA of RFC 2217: 1 received, 2 unsent, 3 both.
+void purge(int fd, std::uint32_t what);
 
 // Drops unsent bytes; otherwise close() may wait long for a blocked line.
 void drop_unsent(int fd);

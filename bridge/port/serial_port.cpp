@@ -60,6 +60,10 @@ class SerialStream final : public Stream {
 
  private:
   std::optional<End> restore(int fd) override {
+    using telnet::Control;
+    (void)set_control(fd, Control::kBreakOff);
+    // With `rs485` the kernel switches RTS.
+    if (!spec_.rs485) (void)(set_control(fd, Control::kDtrOn) && set_control(fd, Control::kRtsOn));
     if (const auto remarks = set_up_line(fd, spec_); !remarks) return End{remarks.error()};
     return std::nullopt;
   }

@@ -121,6 +121,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
           }
           lease->granted = true;
           lease->bus_lease = line.lease;
+          lease->format = line.format;
           lease->settings = line.settings;
           handlers->granted(std::move(line.line));
         });

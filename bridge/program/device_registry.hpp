@@ -27,6 +27,7 @@ struct Refusal {
 struct DeviceLease {
   std::string number, who;
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number
+  LineFormat format;                   // in force, as far as known
   std::optional<LineFormat> settings;  // of a serial port
   std::shared_ptr<BusRunner> runner;   // null: a module without a bus
   std::uint64_t bus_lease = 0;         // number of the lease, if a bus grants it

@@ -44,9 +44,10 @@ class Farewell : public std::enable_shared_from_this<Farewell> {
   const Instant limit_;
 };
 
-EngineerRules with_certificate(EngineerRules rules, bool is_login) {
-  rules.by_certificate = is_login;
-  return rules;
+std::variant<Engineer, LineEngineer> engineer_of(EngineerRules rules, bool by_certificate) {
+  rules.by_certificate = by_certificate;
+  if (rules.port) return LineEngineer(rules, steady_now());
+  return Engineer(rules, steady_now());
 }
 
 }  // namespace
@@ -57,8 +58,9 @@ EngineerConnection::EngineerConnection(Surroundings& around, std::unique_ptr<Byt
     : around_(around),
       address_(std::move(address)),
       proof_(proof),
+      only_user_(rules.port ? rules.port->user : std::string()),
       certified_(stream->peer_name()),
-      engineer_(with_certificate(rules, certificate_is_login()), steady_now()),
+      engineer_(engineer_of(rules, certificate_is_login())),
       client_(std::make_shared<RelayEnd>(std::move(stream))),
       timer_(around.io) {}
 
@@ -67,7 +69,7 @@ void EngineerConnection::start() {
   client_->start({[self](ByteView bytes) { self->tell(FromClient{bytes}); },
                   [self](const std::string& reason) { self->tell(ClientGone{reason}); },
                   [self](bool room) {
-                    if (self->device_) self->device_->pause(!room);
+                    if (self->device_) self->device_->pause(!room || self->held_);
                     self->tell(ClientTakes{room});
                   }});
   tell(TimerFired{});  // sets the first timer
@@ -82,6 +84,8 @@ bool EngineerConnection::certificate_is_login() const {
 void EngineerConnection::check_certificate() {
   const auto done = response_to(certified_);
   if (certified_.empty()) return done({false, "the certificate has no common name"});
+  if (const std::string fault = fault_of_user(certified_); !fault.empty())
+    return done({false, fault});
   if (!around_.hooks.certified) return done({true, ""});
   around_.hooks.certified(certified_, host_of(address_), done);
 }
@@ -103,7 +107,13 @@ std::function<void(LoginResponse)> EngineerConnection::response_to(const std::st
   };
 }
 
+std::string EngineerConnection::fault_of_user(const std::string& user) const {
+  if (only_user_.empty() || user == only_user_) return {};
+  return fmt::format("this port is for {}", only_user_);
+}
+
 std::string EngineerConnection::fault_of_password(const std::string& user) const {
+  if (std::string fault = fault_of_user(user); !fault.empty()) return fault;
   if (proof_ == LoginProof::kCertificate) return "here the certificate is the login";
   if (!certified_.empty() && user != certified_)
     return fmt::format("the certificate is that of {}", certified_);
@@ -123,7 +133,7 @@ void EngineerConnection::displace() {
 void EngineerConnection::tell(const EngineerEvent& event) {
   if (over_) return;
   EngineerActions actions;
-  engineer_.on_event(event, steady_now(), actions);
+  std::visit([&](auto& engineer) { engineer.on_event(event, steady_now(), actions); }, engineer_);
   const auto self = shared_from_this();
   for (const EngineerAction& action : actions) {
     std::visit([&](const auto& what) { execute(what); }, action);
@@ -179,7 +189,7 @@ void EngineerConnection::granted(FileDescriptor line) {
   since_ = read_clocks().to_utc(steady_now());
   reported_bytes_ = 0;
   around_.proven(self);
-  tell(DeviceGiven{});
+  tell(DeviceGiven{lease_->format});
   if (!device_) return;
   device_->start({[self](ByteView bytes) { self->tell(FromDevice{bytes}); },
                   [self](const std::string& reason) {
@@ -206,13 +216,48 @@ void EngineerConnection::execute(const SetLine& what) {
     line.data_bits = what.settings.data_bits;
     line.parity = what.settings.parity;
   }
+  (void)set_line(line);
+}
+
+bool EngineerConnection::set_line(const LineFormat& line) {
+  const std::string target = lease_->bus + '/' + lease_->device;
   if (const auto changed = change_line(line_, line); !changed) {
     log_counted(LogLevel::kWarning, "program", "lines not changed",
                 fmt::format("{}: line not set to {}: {}", target, to_text(line), changed.error()));
-    return audit(fmt::format("line not set to {}: {}", to_text(line), changed.error()));
+    audit(fmt::format("line not set to {}: {}", to_text(line), changed.error()));
+    return false;
   }
   log_counted(LogLevel::kInfo, "program", "changes of lines",
               fmt::format("{}: line set to {}", target, to_text(line)));
+  lease_->format = line;
+  return true;
+}
+
+void EngineerConnection::execute(const ChangeLine& what) {
+  tell(LineChanged{what.change, device_ && changed(what.change)});
+}
+
+// Behind a network a line keeps its settings, and has no modem lines.
+bool EngineerConnection::changed(const telnet::LineChange& change) {
+  const bool serial = lease_->settings.has_value();
+  const auto control = static_cast<telnet::Control>(change.value);
+  LineFormat line = lease_->format;
+  switch (change.kind) {
+    case telnet::Kind::kControl:
+      return serial ? set_control(line_, control)
+                    : control >= telnet::Control::kDtrOn || control == telnet::Control::kNoFlow;
+    case telnet::Kind::kPurge:
+      if (serial) purge(line_, change.value);
+      return true;
+    default:
+      if (!set_value(line, change.kind, change.value)) return false;
+      return line == lease_->format || (serial && set_line(line));
+  }
+}
+
+void EngineerConnection::execute(const HoldDevice& what) {
+  held_ = what.hold;
+  if (device_) device_->pause(held_ || client_->crowded());
 }
 
 void EngineerConnection::execute(const FreeDevice&) {
@@ -282,8 +327,14 @@ void EngineerConnection::audit(const std::string& result) const {
   const std::string target = number_.empty() ? ""
                              : lease_        ? lease_->bus + '/' + lease_->device
                                              : number_;
-  around_.hooks.audit(
-      {who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
+  around_.hooks.audit({who(), target, bytes_to_device(), bytes_from_device(), result});
+}
+
+std::uint64_t EngineerConnection::bytes_to_device() const {
+  return std::visit([](const auto& engineer) { return engineer.bytes_to_device(); }, engineer_);
+}
+std::uint64_t EngineerConnection::bytes_from_device() const {
+  return std::visit([](const auto& engineer) { return engineer.bytes_from_device(); }, engineer_);
 }
 
 void EngineerConnection::tick() {
@@ -293,15 +344,16 @@ void EngineerConnection::tick() {
     lost_ = "it no longer responds";
     return tell(DeviceLost{*lost_});
   }
-  const std::uint64_t bytes = engineer_.bytes_to_device() + engineer_.bytes_from_device();
+  if (device_) tell(ModemState{modem_state(line_)});
+  const std::uint64_t bytes = bytes_to_device() + bytes_from_device();
   if (device_ && bytes != reported_bytes_) report(ProgramSessionState::kOpen);
 }
 
 void EngineerConnection::report(ProgramSessionState state) {
-  reported_bytes_ = engineer_.bytes_to_device() + engineer_.bytes_from_device();
+  reported_bytes_ = bytes_to_device() + bytes_from_device();
   if (!around_.hooks.report) return;
-  around_.hooks.report({lease_->bus, lease_->device, state, who(), engineer_.bytes_to_device(),
-                        engineer_.bytes_from_device(), since_});
+  around_.hooks.report(
+      {lease_->bus, lease_->device, state, who(), bytes_to_device(), bytes_from_device(), since_});
 }
 
 std::string EngineerConnection::who() const {

@@ -11,6 +11,7 @@
 #include "bridge/program/module/relay_end.hpp"
 #include "core/model/program_spec.hpp"
 #include "core/program/engineer.hpp"
+#include "core/program/line_engineer.hpp"
 
 namespace fieldcast::program {
 
@@ -42,6 +43,8 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void check_certificate();
   // Returns the callback for the verdict on this user.
   [[nodiscard]] std::function<void(LoginResponse)> response_to(const std::string& user);
+  // Reason why this user may not log in here; empty if the user may.
+  [[nodiscard]] std::string fault_of_user(const std::string& user) const;
   // Reason why a password of this user is rejected without a check; empty if it is checked.
   [[nodiscard]] std::string fault_of_password(const std::string& user) const;
   void tell(const EngineerEvent& event);
@@ -50,12 +53,18 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void execute(const CheckLogin& what);
   void execute(const TakeDevice& what);
   void execute(const SetLine& what);
+  void execute(const ChangeLine& what);
+  void execute(const HoldDevice& what);
   void execute(const FreeDevice& what);
   void execute(const HangUp& what);
   void execute(const SetTimer& what);
   void execute(const Remark& what);
   void granted(FileDescriptor line);
-  void free_device();
+  // Returns false, with a line in log and audit, if the driver refuses.
+  bool set_line(const LineFormat& line);
+  [[nodiscard]] bool changed(const telnet::LineChange& change);
+  [[nodiscard]] std::uint64_t bytes_to_device() const;
+  [[nodiscard]] std::uint64_t bytes_from_device() const;
   void report(ProgramSessionState state);
   void audit(const std::string& result) const;
   [[nodiscard]] std::string who() const;
@@ -63,9 +72,10 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   Surroundings& around_;
   const std::string address_;
   const LoginProof proof_;
+  const std::string only_user_;  // of a port for one user
   const std::string certified_;  // user named by the client's certificate
   std::string user_;
-  Engineer engineer_;
+  std::variant<Engineer, LineEngineer> engineer_;
   std::shared_ptr<RelayEnd> client_, device_;
   std::shared_ptr<DeviceLease> lease_;
   int line_ = -1;                    // of the device, while device_ exists: for its settings
@@ -74,6 +84,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   std::string number_;  // the last requested device number
   UtcTime since_{};
   std::uint64_t reported_bytes_ = 0;
+  bool held_ = false;  // the client has suspended data
   bool over_ = false;
   bool ended_ = false;      // by the bridge
   bool displaced_ = false;  // ended by the bridge, without a line in the log

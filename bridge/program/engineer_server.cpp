@@ -14,19 +14,24 @@ namespace fieldcast::program {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-EngineerRules rules_of(const EngineersSpec& spec) {
+EngineerRules rules_of(const EngineersSpec& spec, const EngineerPortSpec* port) {
   EngineerRules rules;
-  rules.login_needed = spec.login == LoginRule::kAlways || !on_loopback(spec.listen) ||
+  const bool listed = port != nullptr && !port->from.empty();
+  const bool far = !on_loopback(port != nullptr ? port->listen : spec.listen);
+  rules.login_needed = spec.login == LoginRule::kAlways || (far && !listed) ||
                        spec.proof == LoginProof::kCertificate || spec.proof == LoginProof::kBoth;
   rules.heartbeat = spec.heartbeat;
   rules.idle = spec.idle;
   rules.handshake = spec.handshake;
+  if (port != nullptr) rules.port = LinePort{port->device, !port->raw, port->user};
   return rules;
 }
 
-EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
+EngineerServer::EngineerServer(asio::io_context& io, const EngineersSpec& spec,
+                               const EngineerPortSpec* port,
                                std::shared_ptr<DeviceRegistry> devices, const Hooks& hooks)
-    : spec_(std::move(spec)),
+    : spec_(spec),
+      listen_(port != nullptr ? port->listen : spec.listen),
       hooks_(hooks),
       around_{io, std::move(devices), hooks,
               [this](const auto& over) {
@@ -36,9 +41,12 @@ EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
                 if (clients_.empty() && closed_) std::exchange(closed_, {})();
               },
               [this](const auto& proven) { silent_.remove(ids_[proven.get()]); }},
-      rules_(rules_of(spec_)),
+      rules_(rules_of(spec_, port)),
       listener_(io, [this](tcp::socket socket) { came(std::move(socket)); }),
-      ticking_(io) {}
+      ticking_(io) {
+  if (port == nullptr) return;
+  for (const std::string& text : port->from) from_.push_back(*access::Network::parse(text));
+}
 
 EngineerServer::~EngineerServer() = default;
 
@@ -50,7 +58,7 @@ tl::expected<void, std::string> EngineerServer::listen() {
     if (!made) return tl::make_unexpected(made.error());
     tls_ = std::move(*made);
   }
-  auto listening = listener_.open(spec_.listen);
+  auto listening = listener_.open(listen_);
   if (!listening) return listening;
   tick();
   return {};
@@ -60,6 +68,9 @@ std::uint16_t EngineerServer::port() const { return listener_.port(); }
 
 void EngineerServer::came(tcp::socket socket) {
   const std::string address = address_of(socket);
+  const auto holds = [&](const access::Network& from) { return from.contains(host_of(address)); };
+  if (!from_.empty() && std::ranges::none_of(from_, holds))
+    return refuse(address, "engineers do not connect from this address");
   if (clients_.size() + greeting_ >= kMaxClients && !silent_.cut_one())
     return refuse(address, "too many clients are connected");
   boost::system::error_code ignored;

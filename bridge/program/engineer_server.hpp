@@ -13,6 +13,7 @@
 #include "bridge/net/byte_stream.hpp"
 #include "bridge/program/engineer_connection.hpp"
 #include "bridge/program/module/relay_end.hpp"
+#include "core/access/network.hpp"
 #include "core/model/program_spec.hpp"
 
 namespace fieldcast {
@@ -22,7 +23,9 @@ class TlsServer;
 namespace fieldcast::program {
 
 // Off the loopback a login is always required, on the loopback if the spec requires it.
-[[nodiscard]] EngineerRules rules_of(const EngineersSpec& spec);
+// `port`: null for the port of `fieldcast-port`.
+[[nodiscard]] EngineerRules rules_of(const EngineersSpec& spec,
+                                     const EngineerPortSpec* port = nullptr);
 
 class EngineerServer {
  public:
@@ -30,8 +33,10 @@ class EngineerServer {
   // total and from one address. A further client displaces one of the latter, or is refused.
   static constexpr std::size_t kMaxClients = 256, kMaxSilent = 128, kMaxSilentOfOne = 32;
 
-  EngineerServer(boost::asio::io_context& io, EngineersSpec spec,
-                 std::shared_ptr<DeviceRegistry> devices, const Hooks& hooks);
+  // `port`: a port of one device, or null.
+  EngineerServer(boost::asio::io_context& io, const EngineersSpec& spec,
+                 const EngineerPortSpec* port, std::shared_ptr<DeviceRegistry> devices,
+                 const Hooks& hooks);
   ~EngineerServer();
 
   // The error is one line: the reason why no client can connect.
@@ -48,6 +53,8 @@ class EngineerServer {
   void tick();
 
   const EngineersSpec spec_;
+  const ListenSpec listen_;
+  std::vector<access::Network> from_;  // empty: any address
   const Hooks& hooks_;
   EngineerConnection::Surroundings around_;
   const EngineerRules rules_;

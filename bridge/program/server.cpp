@@ -38,7 +38,8 @@ struct Server::State {
   IoThread io{"program"};                   // outlives the members below
   std::shared_ptr<ModuleServer> modules;    // set while the server is started or keeps modules
   std::shared_ptr<DeviceRegistry> devices;  // set while the server is started
-  std::unique_ptr<EngineerServer> engineers;
+  // The port of fieldcast-port first, then those of single devices.
+  std::vector<std::unique_ptr<EngineerServer>> engineers;
 };
 
 // Modules whose bus ends are kept here, and move to a bus that is added for them.
@@ -84,9 +85,14 @@ tl::expected<void, std::string> Server::start(const ProgramSpec& spec) {
     s.devices = std::make_shared<DeviceRegistry>(s.io.context(), s.modules);
     for (const auto& [name, bus] : s.buses) s.devices->add(bus.first, bus.second);
     if (!spec.engineers || !listening) return;
-    s.engineers =
-        std::make_unique<EngineerServer>(s.io.context(), *spec.engineers, s.devices, s.hooks);
-    listening = s.engineers->listen();
+    const auto listen = [&](const EngineerPortSpec* port) {
+      if (!listening) return;
+      s.engineers.push_back(std::make_unique<EngineerServer>(s.io.context(), *spec.engineers, port,
+                                                             s.devices, s.hooks));
+      listening = s.engineers.back()->listen();
+    };
+    listen(nullptr);
+    for (const EngineerPortSpec& port : spec.engineers->ports) listen(&port);
   });
   if (!listening) stop(Modules::kKeep);
   return listening;
@@ -103,17 +109,18 @@ void Server::stop_engineers() {
   if (!s.devices) return;
   const auto gone = std::make_shared<std::promise<void>>();
   s.io.run([&] {
-    if (s.engineers) {
-      s.engineers->close("the bridge stops", [gone] { gone->set_value(); });
-    } else {
-      gone->set_value();
-    }
+    if (s.engineers.empty()) return gone->set_value();
+    const auto left = std::make_shared<std::size_t>(s.engineers.size());
+    for (const auto& engineers : s.engineers)
+      engineers->close("the bridge stops", [gone, left] {
+        if (--*left == 0) gone->set_value();
+      });
   });
   if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
     log_warning("program", "a client does not disconnect");
   s.io.run([] {});  // handlers cancelled by the close have run
   s.io.run([&] {
-    s.engineers.reset();
+    s.engineers.clear();
     s.devices.reset();
   });
 }
@@ -135,8 +142,9 @@ void Server::remove_bus(const std::string& bus) {
   state_->buses.erase(bus);
 }
 
-std::uint16_t Server::engineers_port() const {
-  return state_->engineers ? state_->engineers->port() : std::uint16_t{0};
+std::uint16_t Server::engineers_port() const { return engineers_port(0); }
+std::uint16_t Server::engineers_port(std::size_t at) const {
+  return at < state_->engineers.size() ? state_->engineers[at]->port() : std::uint16_t{0};
 }
 std::uint16_t Server::modules_port() const {
   return state_->modules ? state_->modules->port() : std::uint16_t{0};
@@ -206,6 +214,20 @@ std::string to_text(const ModulesSpec& modules) {
       "modules dial in at {}: {}; a second one of a number {}", address_text(modules.listen),
       fmt::join(shown, ", "),
       modules.second == SecondModule::kRefuse ? "is refused" : "takes the place of the first");
+}
+
+std::string to_text(const EngineersSpec& engineers, const EngineerPortSpec& port) {
+  const EngineerRules rules = rules_of(engineers, &port);
+  std::vector<std::string> shown{tls_of(engineers)};
+  EngineersSpec always = engineers;
+  always.login = LoginRule::kAlways;
+  shown.push_back(rules.login_needed ? login_text(always) : "no login");
+  if (!port.user.empty()) shown.push_back("user " + port.user + " alone");
+  if (!port.from.empty()) shown.push_back(fmt::format("from {}", fmt::join(port.from, ", ")));
+  if (port.without_security) shown.emplace_back("security: none, the bytes are not encrypted");
+  return fmt::format("device {} is programmed at {} by {}: {}", port.device,
+                     address_text(port.listen), port.raw ? "raw bytes" : "RFC 2217",
+                     fmt::join(shown, ", "));
 }
 
 std::string to_text(const EngineersSpec& engineers) {

@@ -55,6 +55,7 @@ class Server {
 
   // Ports that it listens on, for tests that let the system choose. 0: none.
   [[nodiscard]] std::uint16_t engineers_port() const;
+  [[nodiscard]] std::uint16_t engineers_port(std::size_t at) const;  // 1: the first single device
   [[nodiscard]] std::uint16_t modules_port() const;
 
  private:
@@ -75,6 +76,8 @@ namespace fieldcast::program {
 [[nodiscard]] std::string to_text(const ModulesSpec& modules);
 // "engineers connect at 0.0.0.0:4950: TLS, a login with the password of a user"
 [[nodiscard]] std::string to_text(const EngineersSpec& engineers);
+// "device P1 is programmed at 127.0.0.1:4961 by RFC 2217: no TLS, no login"
+[[nodiscard]] std::string to_text(const EngineersSpec& engineers, const EngineerPortSpec& port);
 
 // The first configured file that cannot be used.
 struct AccessFault {

@@ -76,7 +76,10 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
 void check_gateway_ports(const Node& buses, const BridgeSpec& spec, FaultList& faults) {
   std::vector<ListenSpec> taken;
   if (spec.metrics) taken.push_back(spec.metrics->listen);
-  if (spec.program.engineers) taken.push_back(spec.program.engineers->listen);
+  if (const auto& engineers = spec.program.engineers) {
+    taken.push_back(engineers->listen);
+    for (const EngineerPortSpec& port : engineers->ports) taken.push_back(port.listen);
+  }
   if (spec.program.modules) taken.push_back(spec.program.modules->listen);
   for (std::size_t i = 0; i < std::min(buses.items.size(), spec.buses.size()); ++i) {
     const auto& gateway = spec.buses[i].gateway;

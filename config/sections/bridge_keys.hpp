@@ -15,6 +15,7 @@ namespace fieldcast::config {
 [[nodiscard]] const Rows<MetricsSpec>& metrics_rows();
 [[nodiscard]] const Rows<ProgramSpec>& program_rows();
 [[nodiscard]] const Rows<EngineersSpec>& engineer_rows();
+[[nodiscard]] const Rows<EngineerPortSpec>& engineer_port_rows();
 [[nodiscard]] const Rows<ModulesSpec>& module_rows();
 
 }  // namespace fieldcast::config

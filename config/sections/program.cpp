@@ -18,6 +18,22 @@ namespace {
 
 using program::RegistrationRule;
 
+// REQUIRES: the engineers are read.
+void read_engineer_ports(MapReader& engineers, EngineersSpec& spec, bool users) {
+  const Node* node = engineers.find("ports");
+  if (node == nullptr) return;
+  FaultList& faults = engineers.faults();
+  if (!is_list(*node, "ports", 1, kMaxInterfaces, "a list of ports", faults)) return;
+  for (const Node* item : node->items) {
+    MapReader map(*item, engineer_port_rows(), faults);
+    EngineerPortSpec port;
+    engineer_port_rows().read(map, port);
+    read_networks(map, "from", port.from);
+    check_engineer_port(map, spec, port, users);
+    spec.ports.push_back(std::move(port));
+  }
+}
+
 // `users`: a store with users exists.
 void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, bool users) {
   const Node* node = program.find("engineers");
@@ -27,6 +43,7 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, boo
   engineer_rows().read(map, engineers);
   engineers.tls = read_tls(map, library);
   check_engineers(map, engineers, users);
+  read_engineer_ports(map, engineers, users);
 }
 
 void read_modules(MapReader& program, ProgramSpec& spec, Library& library) {
@@ -227,6 +244,33 @@ void check_engineers(MapReader& map, EngineersSpec& engineers, bool users) {
     map.fault(engineers.login == LoginRule::kAlways ? "login" : "proof",
               "a login needs users, and without a store there are none", kRemedy);
   }
+}
+
+void check_engineer_port(MapReader& map, const EngineersSpec& engineers,
+                         const EngineerPortSpec& port, bool users) {
+  if (port.listen.host.empty()) return;
+  const bool taken = port.listen == engineers.listen ||
+                     std::ranges::any_of(engineers.ports, [&](const EngineerPortSpec& other) {
+                       return other.listen == port.listen;
+                     });
+  if (taken && port.listen.port != 0)
+    map.fault("listen", "two ports of engineers listen at the same address",
+              "a port of its own for each");
+  const bool far = !on_loopback(port.listen), tls = !engineers.tls.certificate.empty();
+  if (far && !tls && !port.without_security)
+    map.fault("listen", "a plain text port off the loopback",
+              "certificate and key in 'engineers', an address 127.0.0.1, or security: none");
+  if (tls && port.without_security)
+    map.fault("security", "security: none beside the certificate of 'engineers'", "one of them");
+  const bool needs_login = engineers.login == LoginRule::kAlways || (far && port.from.empty()) ||
+                           engineers.proof == LoginProof::kBoth;
+  if (engineers.proof == LoginProof::kCertificate || !needs_login) return;
+  if (port.raw && engineers.proof != LoginProof::kEither)
+    map.fault("mode", "a raw port has no prompt for a password",
+              "mode: rfc2217, proof: certificate or either in 'engineers', or from");
+  if (!users)
+    map.fault("listen", "a login needs users, and without a store there are none",
+              "store: { path: FILE } and 'fieldcast user add NAME --role programmer'");
 }
 
 void read_module_access(MapReader& map, ModulesSpec& modules, Library& library) {

@@ -8,7 +8,8 @@
 namespace fieldcast::config {
 
 // program:
-//       engineers: { listen, certificate, key, authority, .., login, proof, heartbeat, idle }
+//       engineers: { listen, certificate, key, authority, .., login, proof, heartbeat, idle,
+//         ports: [ { device, listen, mode, user, from, security } ] }
 //       modules: { listen, ask, prefix, unit, .., certificate, key, authority, .., from, second }
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 
@@ -40,6 +41,10 @@ void read_networks(MapReader& map, std::string_view key, std::vector<std::string
 
 // `users`: a store with users exists. REQUIRES: TLS was read.
 void check_engineers(MapReader& map, EngineersSpec& engineers, bool users);
+
+// REQUIRES: the rows and `from` of the port were read, and the ports before it.
+void check_engineer_port(MapReader& map, const EngineersSpec& engineers,
+                         const EngineerPortSpec& port, bool users);
 
 // `subjects`, `secrets`, `from`, `security`. REQUIRES: the rows of the map were read.
 void read_module_access(MapReader& map, ModulesSpec& modules, Library& library);

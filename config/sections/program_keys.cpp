@@ -3,6 +3,7 @@
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/port.hpp"
 #include "config/sections/program.hpp"
+#include "core/program/frame.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -28,6 +29,8 @@ constexpr std::pair<std::string_view, LoginProof> kProofs[] = {
     {"certificate", LoginProof::kCertificate},
     {"either", LoginProof::kEither},
     {"both", LoginProof::kBoth}};
+
+constexpr std::pair<std::string_view, bool> kPortModes[] = {{"rfc2217", false}, {"raw", true}};
 
 constexpr std::pair<std::string_view, SecondModule> kSeconds[] = {
     {"refuse", SecondModule::kRefuse}, {"replace", SecondModule::kReplace}};
@@ -100,7 +103,47 @@ const Rows<EngineersSpec>& engineer_rows() {
                 DurationRule{kMinHeartbeat, kMaxHeartbeat}),
           field({"idle", "10min", "so long without a program byte frees the device"},
                 &EngineersSpec::idle, DurationRule{kMinIdle, kMaxIdle}),
+          {{.name = "ports",
+            .fallback = "none",
+            .text = "ports of single devices for software without `fieldcast-port`, see below",
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxInterfaces) +
+                      R"(, "items": { "$ref": "#/$defs/engineer-port" } })",
+            .form = "a list of ports"}},
       });
+  return rows;
+}
+
+const Rows<EngineerPortSpec>& engineer_port_rows() {
+  static const Rows<EngineerPortSpec> rows(
+      "engineer-port", "a port of 'engineers'",
+      {
+          field({.name = "device", .fallback = "needed", .text = "the `number` of the device"},
+                &EngineerPortSpec::device, DeviceNumberRule{}),
+          field({.name = "listen",
+                 .fallback = "needed",
+                 .text = "`ADDRESS:PORT` of this machine. Off the loopback `certificate` and `key` "
+                         "of `engineers`, or `security: none`, are needed",
+                 .example = "listen: 127.0.0.1:4961"},
+                &EngineerPortSpec::listen, ListenRule{4961}),
+          field({"mode", "rfc2217",
+                 "`rfc2217`: Telnet with COM-PORT-OPTION, the software sets the line; `raw`: bytes "
+                 "alone, without a login at a prompt"},
+                &EngineerPortSpec::raw, ChoiceRule<bool>{kPortModes}),
+          field({"user", "any programmer", "the only user that may log in"},
+                &EngineerPortSpec::user, TextRule{program::kMaxLoginText}),
+          {{.name = "from",
+            .fallback = "anywhere",
+            .text = "addresses and networks that engineers connect from: `[10.0.7.0/24]`. They "
+                    "need no login then, unless `login: always`",
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxInterfaces) +
+                      R"(, "items": { "type": "string", "minLength": 1 } })"}},
+          field({"security", "needed off the loopback without TLS",
+                 "`none`: bytes and passwords cross the network as they are"},
+                &EngineerPortSpec::without_security, ChoiceRule<bool>{kOpenly}),
+      },
+      "A port of one device. TLS, login, proof and idle time are those of `engineers`.");
   return rows;
 }
 

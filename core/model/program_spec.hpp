@@ -24,6 +24,18 @@ enum class LoginRule : std::uint8_t { kOffLoopback, kAlways };  // when a login 
 
 enum class LoginProof : std::uint8_t { kPassword, kCertificate, kEither, kBoth };
 
+// A port of one device for programming software without `fieldcast-port`. TLS, login and `idle` are
+// those of the engineers.
+struct EngineerPortSpec {
+  std::string device;  // its number
+  ListenSpec listen;
+  bool raw = false;               // raw bytes; false: RFC 2217
+  std::string user;               // the only one that may log in; empty: any programmer
+  std::vector<std::string> from;  // addresses and networks, "10.0.0.0/8"; empty: any
+  bool without_security = false;  // explicitly configured
+  friend bool operator==(const EngineerPortSpec&, const EngineerPortSpec&) = default;
+};
+
 struct EngineersSpec {
   ListenSpec listen;
   TlsSpec tls;
@@ -33,6 +45,7 @@ struct EngineersSpec {
   Duration idle = std::chrono::minutes{10};
   // Timeout of TLS and of the request for a device; not a key of the configuration.
   Duration handshake = std::chrono::seconds{10};
+  std::vector<EngineerPortSpec> ports{};
   friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
 };
 

@@ -10,8 +10,16 @@
 #include "core/base/time.hpp"
 #include "core/program/frame.hpp"
 #include "core/program/marker_framing.hpp"
+#include "core/telnet/line_server.hpp"
 
 namespace fieldcast::program {
+
+// A listening port of one device, for software without a client of its own (LineEngineer).
+struct LinePort {
+  std::string number;
+  bool telnet = true;  // RFC 2217; false: raw bytes
+  std::string user;    // the only user that may log in; empty: any programmer
+};
 
 struct EngineerRules {
   bool login_needed = false;
@@ -21,6 +29,7 @@ struct EngineerRules {
   Duration idle = std::chrono::minutes{10};  // without program bytes in either direction
   // Limit from the connection, or from the end of a pairing, to the next pairing.
   Duration handshake = std::chrono::seconds{10};
+  std::optional<LinePort> port{};  // empty: clients speak the frames of frame.hpp
 };
 
 struct FromClient {
@@ -33,7 +42,9 @@ struct LoginChecked {
   bool allowed = false;
   std::string reason;  // reason for a rejection
 };
-struct DeviceGiven {};
+struct DeviceGiven {
+  LineFormat line{};  // in force
+};
 struct DeviceRefused {
   Reply why = Reply::kNotOnline;
   std::string reason;
@@ -52,13 +63,21 @@ struct DeviceTakes {
 };
 struct ClientDrains {};  // bytes of its queue were sent
 struct DeviceDrains {};
+// Result of ChangeLine.
+struct LineChanged {
+  telnet::LineChange change;
+  bool done = false;
+};
+struct ModemState {
+  std::uint8_t state = 0;  // as in RFC 2217
+};
 struct TimerFired {};
 struct Ended {  // the bridge stops
   std::string reason;
 };
 using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused,
                                    FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains,
-                                   DeviceDrains, TimerFired, Ended>;
+                                   DeviceDrains, LineChanged, ModemState, TimerFired, Ended>;
 
 struct ToClient {
   Bytes bytes;
@@ -75,6 +94,13 @@ struct TakeDevice {
 struct SetLine {
   LineSettings settings;
 };
+// Of LineEngineer; its result is LineChanged.
+struct ChangeLine {
+  telnet::LineChange change;
+};
+struct HoldDevice {
+  bool hold = false;  // true: do not read the device
+};
 struct FreeDevice {};
 struct HangUp {};  // after all queued bytes were sent
 struct SetTimer {
@@ -85,8 +111,8 @@ struct Remark {
   Kind kind;
   std::string text;
 };
-using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, FreeDevice,
-                                    HangUp, SetTimer, Remark>;
+using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, ChangeLine,
+                                    HoldDevice, FreeDevice, HangUp, SetTimer, Remark>;
 using EngineerActions = std::vector<EngineerAction>;
 
 class Engineer {
@@ -126,6 +152,8 @@ class Engineer {
   void handle(const DeviceTakes& event, Instant now, Actions& actions);
   void handle(const ClientDrains& event, Instant now, Actions& actions);
   void handle(const DeviceDrains& event, Instant now, Actions& actions);
+  void handle(const LineChanged&, Instant, Actions&) {}
+  void handle(const ModemState&, Instant, Actions&) {}
   void handle(const TimerFired& event, Instant now, Actions& actions);
   void handle(const Ended& event, Instant now, Actions& actions);
 

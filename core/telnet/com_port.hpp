@@ -81,7 +81,10 @@ void append_message(Bytes& out, const Message& message);
 // `body`: the subnegotiation after the option. Empty if it is not a message of RFC 2217.
 [[nodiscard]] std::optional<Message> message_from(ByteView body);
 
-// Value of kBaud to kStopBits for a line.
+// The settings of a line.
+inline constexpr Kind kSettings[] = {Kind::kBaud, Kind::kDataBits, Kind::kParity, Kind::kStopBits};
+
+// Value of one of kSettings for a line.
 [[nodiscard]] std::uint32_t value_of(Kind kind, const LineFormat& line);
 // Returns false, without a change, if a line of this tree cannot have the value.
 [[nodiscard]] bool set_value(LineFormat& line, Kind kind, std::uint32_t value);

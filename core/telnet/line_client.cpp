@@ -6,8 +6,6 @@
 namespace fieldcast::telnet {
 namespace {
 
-constexpr Kind kSettings[] = {Kind::kBaud, Kind::kDataBits, Kind::kParity, Kind::kStopBits};
-
 std::string value_text(Kind kind, std::uint32_t value) {
   constexpr std::string_view kParityNames[] = {"unknown", "none", "odd", "even", "mark", "space"};
   if (kind == Kind::kParity)

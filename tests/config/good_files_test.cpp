@@ -161,6 +161,9 @@ TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(engineers.login, LoginRule::kAlways);
   EXPECT_EQ(engineers.heartbeat, seconds{2});
   EXPECT_EQ(engineers.idle, seconds{90});
+  EXPECT_EQ(
+      engineers.ports,
+      (std::vector<EngineerPortSpec>{{"P3", {"127.0.0.1", 4961}, false, "ann", {"10.0.7.0/24"}}}));
   EXPECT_EQ(spec.program.modules->listen, (ListenSpec{"::1", 4951}));
   EXPECT_EQ(spec.program.modules->registration,
             (program::RegistrationRule{program::RegistrationRule::Ask::kWords, "N", 3, 100, 4,

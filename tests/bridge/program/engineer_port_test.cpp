@@ -1,0 +1,64 @@
+// Ports of single devices: RFC 2217 and raw bytes to a module that dialled in.
+#include "core/telnet/com_port.hpp"
+#include "tests/bridge/program/program_support.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+class EngineerPort : public ServerFixture {
+ protected:
+  EngineerPortSpec& port() {
+    if (spec.engineers->ports.empty())
+      spec.engineers->ports.push_back({.device = "17", .listen = {"127.0.0.1", 0}});
+    return spec.engineers->ports.front();
+  }
+  // A client of the port, when the module is registered.
+  [[nodiscard]] std::unique_ptr<TcpClient> connect() const {
+    return std::make_unique<TcpClient>(server.engineers_port(1));
+  }
+};
+
+TEST_F(EngineerPort, CarriesRawBytes) {
+  port().raw = true;
+  start();
+  TcpClient module = this->module("17\r\n");
+  std::unique_ptr<TcpClient> first;
+  ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");  // registered
+  first->send("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  const auto client = connect();
+  client->send("@00\xFF*\r");
+  EXPECT_EQ(module.receive("\r"), "@00\xFF*\r");
+  module.send("ok\r");
+  EXPECT_EQ(client->receive("\r"), "ok\r");
+  EXPECT_TRUE(audited("paired, raw bytes"));
+  const auto second = connect();
+  EXPECT_TRUE(audited("refused: in use by 127.0.0.1"));
+}
+
+TEST_F(EngineerPort, LogsInAtThePromptAsItsUser) {
+  port().user = "anna";
+  spec.engineers->login = LoginRule::kAlways;
+  start();
+  const auto other = connect();
+  EXPECT_THAT(other->receive("user: "), testing::HasSubstr("user: "));
+  other->send("bob\rsecret\r");
+  EXPECT_TRUE(audited("login refused: user bob: this port is for anna"));
+  const auto wrong = connect();
+  wrong->send("anna\rguess\r");
+  EXPECT_TRUE(audited("login refused: user anna: wrong password"));
+  const auto right = connect();
+  right->send("anna\rsecret\r");
+  EXPECT_TRUE(audited("logged in"));
+  EXPECT_TRUE(audited("no device of this number"));
+}
+
+TEST_F(EngineerPort, AnAddressOutsideTheListIsRefused) {
+  port().from = {"10.0.0.0/8"};
+  start();
+  const auto client = connect();
+  EXPECT_TRUE(audited("refused: engineers do not connect from this address"));
+}
+
+}  // namespace
+}  // namespace fieldcast::test

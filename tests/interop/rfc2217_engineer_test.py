@@ -1,0 +1,213 @@
+"""Tests `ports` of `engineers`: pyserial's rfc2217:// client and a raw socket reach a simulated PLC, and a device that echoes, through
+the bridge.
+
+usage: rfc2217_engineer_test.py BIN_FOLDER
+"""
+
+import contextlib
+import fcntl
+import os
+import pty
+import random
+import select
+import socket
+import struct
+import sys
+import tempfile
+import termios
+import threading
+import tty
+import unittest
+
+import serial
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from peers import DEADLINE, TCGETS2, free_port
+from plant import Plant, claim_domain, running_bridge, wait_until
+
+BIN = ""
+CONFIG = """
+bridge: e2e
+store: { path: {run}/plant.db, samples: [] }
+program:
+  engineers:
+    listen: 127.0.0.1:{main}
+    ports:
+      - { device: P1, listen: 127.0.0.1:{telnet} }
+      - { device: P1, listen: 127.0.0.1:{raw}, mode: raw }
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 7E2, exclusive: false }
+    protocol: omron-hostlink
+    devices:
+      - { name: plc, number: P1, address: 0, channels: [ { name: level, at: DM100, type: uint16, refresh: 200ms } ] }
+"""
+ECHO = """bridge: echo
+dds: { domain: {domain}, interfaces: [127.0.0.1] }
+program: { engineers: { listen: 127.0.0.1:{main}, ports: [ { device: E1, listen: 127.0.0.1:{telnet} } ] } }
+buses:
+  - name: echo
+    port: { serial: {line}, baud: 115200, format: 8N1, exclusive: false }
+    protocol: omron-hostlink
+    devices: [ { name: plc, number: E1, address: 0, channels: [ { name: level, at: DM100, type: uint16, refresh: 10s } ] } ]
+"""
+
+
+def host_link(text):
+    check = 0
+    for character in text.encode():
+        check ^= character
+    return f"{text}{check:02X}*\r".encode()
+
+
+def settings_of(path):
+    """Returns baud rate and whether there are two stop bits. A pseudo-terminal ignores data bits and parity."""
+    line = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        settings = fcntl.ioctl(line, TCGETS2, bytes(44))
+    finally:
+        os.close(line)
+    return struct.unpack_from("I", settings, 40)[0], bool(struct.unpack_from("I", settings, 8)[0] & termios.CSTOPB)
+
+
+def rfc2217(port, **settings):
+    return serial.serial_for_url(f"rfc2217://127.0.0.1:{port}", timeout=DEADLINE, **settings)
+
+
+SEVEN_E_TWO = {"baudrate": 115200, "bytesize": 7, "parity": "E", "stopbits": 2}
+
+
+class PlcTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.ports = {name: free_port() for name in ("main", "telnet", "raw")}
+        config = CONFIG
+        for name, port in cls.ports.items():
+            config = config.replace("{" + name + "}", str(port))
+        cls.plant = cls.enterClassContext(Plant(BIN, config))
+
+    def ended(self, result):
+        def row():
+            done = self.plant.cli("audit", "--json")
+            return done.code == 0 and [entry for entry in done.json_lines() if result in entry["result"]]
+        return wait_until(row, DEADLINE, f"no row of the audit with '{result}'")[-1]
+
+    def program(self, write, read_until):
+        """Writes 60 areas of 20 words and reads them back, as a download and an upload."""
+        sent, received, words = 0, 0, random.Random(7)
+        areas = ["".join(f"{words.randrange(65536):04X}" for _ in range(20)) for _ in range(60)]
+        for command in [host_link(f"@00WD{1000 + 20 * i:04d}{area}") for i, area in enumerate(areas)]:
+            write(command)
+            response = read_until()
+            self.assertEqual(response, host_link("@00WD00"))
+            sent, received = sent + len(command), received + len(response)
+        for i, area in enumerate(areas):
+            command = host_link(f"@00RD{1000 + 20 * i:04d}0020")
+            write(command)
+            response = read_until()
+            self.assertEqual(response, host_link("@00RD00" + area))
+            sent, received = sent + len(command), received + len(response)
+        return sent, received
+
+    def test_programs_by_rfc2217_and_the_audit_has_every_byte(self):
+        with rfc2217(self.ports["telnet"], **SEVEN_E_TWO) as port:
+            sent, received = self.program(port.write, lambda: port.read_until(b"\r"))
+            self.assertTrue(port.cts and port.dsr and port.cd)
+        row = self.ended("ended: the client disconnected")
+        self.assertEqual((row["bytes_to_device"], row["bytes_from_device"], row["target"]), (sent, received, "line/plc"))
+        self.assertIn("paired, RFC 2217", str(self.plant.cli("audit", "--json").out))
+
+    def test_programs_by_raw_bytes(self):
+        with socket.create_connection(("127.0.0.1", self.ports["raw"]), DEADLINE) as peer, peer.makefile("rb") as lines:
+            def read_until():
+                read = b""
+                while not read.endswith(b"\r"):
+                    read += lines.read(1)
+                return read
+            self.program(peer.sendall, read_until)
+        self.ended("paired, raw bytes")
+
+    def test_the_line_follows_the_software_and_has_its_own_settings_again(self):
+        def becomes(*wanted):
+            path = os.path.join(self.plant.run, "line")
+            wait_until(lambda: settings_of(path) == wanted, DEADLINE, lambda: f"{wanted}, but {settings_of(path)}")
+        becomes(115200, True)
+        with rfc2217(self.ports["telnet"], baudrate=9600, bytesize=8, parity="N", stopbits=1) as port:
+            becomes(9600, False)
+            port.baudrate = 19200
+            becomes(19200, False)
+            port.dtr = port.rts = False
+            port.send_break(0.01)
+            port.reset_output_buffer()
+            port.reset_input_buffer()
+        becomes(115200, True)
+
+    def test_a_second_user_is_refused(self):
+        with rfc2217(self.ports["telnet"], **SEVEN_E_TWO):
+            with socket.create_connection(("127.0.0.1", self.ports["telnet"]), DEADLINE) as peer, peer.makefile("rb") as all_bytes:
+                self.assertIn(b"refused: ", all_bytes.read())
+
+
+class Echo:
+    """A pseudo-terminal whose device returns every byte."""
+
+    def __enter__(self):
+        self.master, self.slave = pty.openpty()
+        tty.setraw(self.slave)
+        os.set_blocking(self.master, False)
+        self.path, self.over = os.ttyname(self.slave), threading.Event()
+        self.thread = threading.Thread(target=self._run)
+        self.thread.start()
+        return self
+
+    def _run(self):
+        waiting = b""
+        while not self.over.is_set():
+            reads, writes = [self.master] if len(waiting) < 4096 else [], [self.master] if waiting else []
+            readable, writable, _ = select.select(reads, writes, [], 0.1)
+            with contextlib.suppress(BlockingIOError):
+                if writable:
+                    waiting = waiting[os.write(self.master, waiting):]
+                if readable:
+                    waiting += os.read(self.master, 4096)
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+        os.close(self.master)
+        os.close(self.slave)
+
+
+class EchoTest(unittest.TestCase):
+    def test_two_mebibytes_in_both_directions_are_byte_exact(self):
+        with contextlib.ExitStack() as stack:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="fieldcast-rfc2217-"))
+            domain, claim = claim_domain()
+            stack.enter_context(claim)
+            device = stack.enter_context(Echo())
+            config = ECHO.replace("{domain}", str(domain)).replace("{line}", device.path)
+            ports = {name: free_port() for name in ("main", "telnet")}
+            for name, port in ports.items():
+                config = config.replace("{" + name + "}", str(port))
+            path = os.path.join(folder, "echo.yaml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(config)
+            stack.enter_context(running_bridge(BIN, path, os.path.join(folder, "log")))
+
+            def opened():
+                with contextlib.suppress(OSError, serial.SerialException):
+                    return rfc2217(ports["telnet"], baudrate=115200)
+            port = stack.enter_context(wait_until(opened, DEADLINE, "the port never opened"))
+            port.reset_input_buffer()
+            data = random.Random(1).randbytes(2 << 20)
+            writer = threading.Thread(target=lambda: [port.write(data[at:at + 4096]) for at in range(0, len(data), 4096)])
+            writer.start()
+            read = port.read(len(data))
+            writer.join()
+            self.assertEqual(len(read), len(data))
+            self.assertTrue(read == data)
+
+
+if __name__ == "__main__":
+    BIN = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,252 @@
+#include "core/program/line_engineer.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/telnet/frames.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+using std::chrono::seconds;
+using telnet::hex;
+using telnet::Kind;
+using telnet::option;
+using testing::HasSubstr;
+
+const LineFormat kLine{9600, 8, Parity::kNone, 1};
+
+class LineEngineerTest : public testing::Test {
+ protected:
+  void make(bool telnet, bool login_needed = false) {
+    EngineerRules rules;
+    rules.login_needed = login_needed;
+    rules.port = LinePort{"P1", telnet, {}};
+    engineer_.emplace(rules, telnet::kStart);
+    tell(TimerFired{});
+  }
+  void tell(const EngineerEvent& event) {
+    EngineerActions actions;
+    engineer_->on_event(event, now_, actions);
+    for (const auto& action : actions) {
+      if (const auto* what = std::get_if<ToClient>(&action)) append(to_client_, what->bytes);
+      if (const auto* what = std::get_if<ToDevice>(&action)) append(to_device_, what->bytes);
+      if (const auto* what = std::get_if<ChangeLine>(&action)) changes_.push_back(what->change);
+      if (const auto* what = std::get_if<HoldDevice>(&action)) held_ = what->hold;
+      if (const auto* what = std::get_if<CheckLogin>(&action))
+        login_ = what->user + '/' + what->password;
+      if (const auto* what = std::get_if<Remark>(&action)) remark_ = what->text;
+      if (const auto* what = std::get_if<SetTimer>(&action)) timer_ = what->at;
+      taken_ += std::holds_alternative<TakeDevice>(action);
+      freed_ += std::holds_alternative<FreeDevice>(action);
+      hung_up_ += std::holds_alternative<HangUp>(action);
+    }
+  }
+  void send(const Bytes& bytes) { tell(FromClient{bytes}); }
+  void type(std::string_view text) { tell(FromClient{as_bytes(text)}); }
+  void give() { tell(DeviceGiven{kLine}); }
+  std::string said() { return to_hex(std::exchange(to_client_, {})); }
+  // Without Telnet requests.
+  std::string shown() {
+    telnet::Parser parser;
+    const Bytes sent = std::exchange(to_client_, {});
+    ByteView in = sent;
+    std::string text;
+    while (const auto item = parser.next(in)) {
+      if (const auto* data = std::get_if<telnet::Data>(&*item)) text += as_text(data->bytes);
+    }
+    return text;
+  }
+
+  Instant now_ = telnet::kStart, timer_ = kNever;
+  std::optional<LineEngineer> engineer_;
+  Bytes to_client_, to_device_;
+
+  std::vector<telnet::LineChange> changes_;
+  std::string login_, remark_;
+  bool held_ = false;
+  int taken_ = 0, freed_ = 0, hung_up_ = 0;
+};
+
+TEST_F(LineEngineerTest, CarriesDataBothWays) {
+  make(true);
+  EXPECT_EQ(taken_, 1);
+  give();
+  said();
+  send(hex("41 FF FF"));
+  EXPECT_EQ(to_device_, hex("41 FF"));
+  tell(FromDevice{hex("FF 42")});
+  EXPECT_EQ(said(), "FF FF 42");
+  EXPECT_EQ(engineer_->bytes_to_device(), 2u);
+  EXPECT_EQ(engineer_->bytes_from_device(), 2u);
+}
+
+TEST_F(LineEngineerTest, ARawPortChangesNoByte) {
+  make(false);
+  EXPECT_EQ(said(), "");
+  give();
+  send(hex("FF FD 2C FF"));
+  EXPECT_EQ(to_device_, hex("FF FD 2C FF"));
+  tell(FromDevice{hex("FF 42")});
+  EXPECT_EQ(said(), "FF 42");
+}
+
+TEST_F(LineEngineerTest, BytesBeforeTheDeviceWait) {
+  make(true);
+  said();
+  send(telnet::together({option("01 00 00 4B 00"), "41"}));
+  EXPECT_EQ(said(), "");
+  give();
+  EXPECT_EQ(to_device_, hex("41"));
+  EXPECT_EQ(changes_, (std::vector{telnet::LineChange{Kind::kBaud, 19200}}));
+  tell(LineChanged{changes_[0], true});
+  EXPECT_EQ(said(), option("65 00 00 4B 00"));
+  tell(LineChanged{{Kind::kBaud, 4800}, false});
+  EXPECT_EQ(said(), option("65 00 00 4B 00"));
+}
+
+TEST_F(LineEngineerTest, AFloodBeforeTheDeviceEndsTheConnection) {
+  make(true);
+  send(Bytes(LineEngineer::kMaxEarly));
+  EXPECT_EQ(hung_up_, 0);
+  send(Bytes(1));
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_EQ(freed_, 1);
+}
+
+TEST_F(LineEngineerTest, LogsInAtThePromptWithoutEchoOfThePassword) {
+  make(true, true);
+  EXPECT_EQ(taken_, 0);
+  EXPECT_EQ(shown(), "user: ");
+  type("annb");
+  type("\x7F");
+  type("a\r\n");
+  EXPECT_EQ(shown(), "annba\r\npassword: ");
+  type("secret\r");
+  EXPECT_EQ(shown(), "\r\n");
+  EXPECT_EQ(login_, "anna/secret");
+  type("\n@00");  // of the return; then bytes for the device
+  tell(LoginChecked{true, {}});
+  EXPECT_EQ(taken_, 1);
+  give();
+  EXPECT_EQ(as_text(to_device_), "@00");
+}
+
+TEST_F(LineEngineerTest, DataBehindThePasswordReachesTheDeviceOnce) {
+  make(true, true);
+  type("anna\nsecret\r");
+  send(telnet::together({"0A 41 FF FF FF FF"}));
+  tell(LoginChecked{true, {}});
+  give();
+  EXPECT_EQ(to_device_, hex("41 FF FF"));
+  make(true, true);
+  to_device_.clear();
+  send(telnet::together({"61 0D 62 0D 0A 41 FF FF", "FF FF 42"}));
+  tell(LoginChecked{true, {}});
+  give();
+  EXPECT_EQ(to_device_, hex("41 FF FF 42"));
+}
+
+TEST_F(LineEngineerTest, ARefusedLoginEndsTheConnection) {
+  make(true, true);
+  type("anna\rwrong\r");
+  said();
+  tell(LoginChecked{false, "user anna: wrong password"});
+  EXPECT_EQ(shown(), "login refused\r\n");
+  EXPECT_EQ(remark_, "user anna: wrong password");
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_EQ(taken_ + freed_, 0);
+}
+
+TEST_F(LineEngineerTest, SettingsBeforeTheLoginReachTheLineLater) {
+  make(true, true);
+  said();
+  send(hex(option("01 00 01 C2 00")));
+  EXPECT_EQ(said(), option("65 00 01 C2 00"));
+  type("anna\rsecret\r");
+  tell(LoginChecked{true, {}});
+  give();
+  EXPECT_EQ(changes_, (std::vector{telnet::LineChange{Kind::kBaud, 115200}}));
+}
+
+TEST_F(LineEngineerTest, NoLoginInTimeEndsTheConnection) {
+  make(true, true);
+  EXPECT_EQ(timer_, telnet::kStart + LineEngineer::kPromptWait);
+  now_ = timer_;
+  tell(TimerFired{});
+  EXPECT_EQ(hung_up_, 1);
+}
+
+TEST_F(LineEngineerTest, TheClientSuspendsTheDevice) {
+  make(true);
+  give();
+  send(hex(option("08")));
+  EXPECT_TRUE(held_);
+  send(hex(option("09")));
+  EXPECT_FALSE(held_);
+}
+
+TEST_F(LineEngineerTest, ReportsModemLinesToAClientOfRfc2217) {
+  make(true);
+  give();
+  said();
+  tell(ModemState{0xB0});
+  EXPECT_EQ(said(), "");
+  send(hex("FF FB 2C"));
+  tell(ModemState{0xB0});
+  EXPECT_EQ(said(), option("6B BB"));
+}
+
+TEST_F(LineEngineerTest, ARefusedDeviceIsNotFreed) {
+  make(true);
+  said();
+  tell(DeviceRefused{Reply::kInUse, "in use by bob"});
+  EXPECT_THAT(shown(), HasSubstr("refused: "));
+  EXPECT_EQ(remark_, "in use by bob");
+  EXPECT_EQ(freed_, 0);
+  EXPECT_EQ(hung_up_, 1);
+}
+
+TEST_F(LineEngineerTest, ARawPortHasNoPromptForAPassword) {
+  make(false, true);
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_EQ(taken_, 0);
+  EXPECT_EQ(remark_, "a certificate is needed");
+}
+
+TEST_F(LineEngineerTest, AnIdleSessionAndALostDeviceFreeTheDevice) {
+  make(false);
+  give();
+  EXPECT_EQ(timer_, telnet::kStart + EngineerRules{}.idle);
+  now_ = telnet::kStart + seconds{60};
+  send(hex("41"));
+  now_ = telnet::kStart + EngineerRules{}.idle;
+  tell(TimerFired{});
+  EXPECT_EQ(hung_up_, 0);
+  now_ = timer_;
+  tell(TimerFired{});
+  EXPECT_EQ(freed_, 1);
+  EXPECT_THAT(remark_, HasSubstr("no program byte for 10min"));
+  make(false);
+  give();
+  tell(DeviceLost{"unplugged"});
+  EXPECT_EQ(freed_, 2);
+  tell(ClientGone{"closed"});
+  EXPECT_EQ(hung_up_, 2);
+}
+
+TEST_F(LineEngineerTest, ASideThatTakesNoBytesEndsTheSession) {
+  make(true);
+  give();
+  tell(ClientTakes{false});
+  EXPECT_EQ(timer_, telnet::kStart + LineEngineer::kStuckWait);
+  now_ = telnet::kStart + seconds{30};
+  tell(ClientDrains{});
+  now_ = timer_;
+  EXPECT_EQ(now_, telnet::kStart + seconds{30} + LineEngineer::kStuckWait);
+  tell(TimerFired{});
+  EXPECT_EQ(freed_, 1);
+  EXPECT_THAT(remark_, HasSubstr("the client takes no bytes for 60s"));
+}
+
+}  // namespace
+}  // namespace fieldcast::program
