@@ -285,7 +285,8 @@ class OperationBuilder {
     const std::ptrdiff_t head = std::min(response_.used(), response_.limit());
     const auto size = static_cast<std::size_t>(response_.limit() - head);
     const std::size_t byte = text_ ? 2 : 1;
-    if (size == 0 || size % byte != 0) return refuse("the responses have no items");
+    if (size == 0) return refuse("the responses have no items: a write");
+    if (size % byte != 0) return refuse("the items of the responses are not pairs of digits");
     const auto values = values_in(group_.responses, head, response_.limit());
     const auto adds = packed_adds(values);
     LearnedField items{.kind = FieldKind::kItems, .evidence = all()};
