@@ -66,7 +66,8 @@ std::string field(ByteView bytes, std::size_t at, std::size_t size) {
   return escaped(text);
 }
 
-// System status lists of an S7 CPU (Siemens A5E02789976, "System status lists"):
+// System status lists of an S7 CPU (System Software for S7-300/400, volume 2, A5E00739858-01,
+// chapter 33):
 //
 //     request   32 07 0000 ref(2) 0008 0008, 000112 04 11 44 01 00, FF 09 0004 list(2) index(2)
 //     response  32 07 0000 ref(2) 000C size(2), 12 bytes, FF 09 size(2) list(2) index(2)
@@ -93,23 +94,24 @@ ByteView records_of(ByteView frame) {
   return message.subspan(kResponseData + kRecords);
 }
 
-std::string type_name(ByteView frame) {
-  constexpr std::size_t kRecord = 34, kTypeAt = 5 * kRecord;
-  const ByteView records = records_of(frame);
-  const bool named = records.size() >= kTypeAt + kRecord && read_u16(records, kTypeAt) == 7;
-  return named ? field(records, kTypeAt + 2, 32) : std::string();
+// Empty if the list has none with this index.
+ByteView record_of(ByteView frame, std::size_t size, std::uint16_t index) {
+  for (ByteView records = records_of(frame); records.size() >= size;
+       records = records.subspan(size)) {
+    if (read_u16(records) == index) return records.first(size);
+  }
+  return {};
 }
 
+std::string type_name(ByteView frame) { return field(record_of(frame, 34, 7), 2, 32); }
+
 std::string order_number(ByteView frame) {
-  constexpr std::size_t kRecord = 28, kFirmware = 7, kVersionAt = 25;
-  const ByteView records = records_of(frame);
-  const std::string number = field(records, 2, 20);
-  for (std::size_t at = 0; at + kRecord <= records.size(); at += kRecord) {
-    const ByteView version = records.subspan(at + kVersionAt);
-    if (read_u16(records, at) == kFirmware && !number.empty())
-      return fmt::format("{}, V{}.{}.{}", number, version[0], version[1], version[2]);
-  }
-  return number;
+  constexpr std::size_t kRecord = 28, kVersionAt = 25;
+  const std::string number = field(record_of(frame, kRecord, 1), 2, 20);
+  const ByteView firmware = record_of(frame, kRecord, 7);
+  if (number.empty() || firmware.empty()) return number;
+  const ByteView version = firmware.subspan(kVersionAt);
+  return fmt::format("{}, V{}.{}.{}", number, version[0], version[1], version[2]);
 }
 
 std::string connections(ByteView frame) {

@@ -298,15 +298,17 @@ void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool se
   if (scanner.echoed())
     err << "  what was sent comes back, and nothing else: the adapter gives back what it sends, "
            "and no device responds\n";
-  if (!scanner.noisy_lines().empty())
+  if (!scanner.noisy_lines().empty()) {
     err << "another master may speak there, or the settings are others\n";
-  else if (!serial && scanner.lines().size() > 1)
+  } else if (!serial && scanner.lines().size() > 1) {
     for (const ScanLine& line : scanner.lines())
       err << "  tried: " << line_text(line, serial) << ", address " << line.addresses.front()
           << '\n';
-  else if (serial)
+    err << "the controller has another link, or none of its connections is free\n";
+  } else if (serial) {
     err << "look at A and B (D+ and D-) of the line, its termination and the supply of the device; "
            "try --protocol, --addresses 1-247, --all, or a longer --timeout\n";
+  }
 }
 
 void show(const ScanOptions& options, const Scanner& scanner, const Streams& to) {
