@@ -122,7 +122,8 @@ Bytes S7Unit::status_list(ByteView request) {
   };
   std::uint16_t size = 0;
   if (list == 0x001C) {
-    for (const std::uint16_t index : {1, 2, 3, 4, 5, 7}) add(index, index == 7 ? kCpuName : "", 32);
+    for (const std::uint16_t index : std::array<std::uint16_t, 6>{1, 2, 3, 4, 5, 7})
+      add(index, index == 7 ? kCpuName : "", 32);
     size = 34;
   } else if (list == 0x0011) {
     add(1, kOrderNumber, 26);
