@@ -1,4 +1,5 @@
-// Opens a line at a server of RFC 2217: negotiates, sets the line, checks the values in force. Pure.
+// Opens a line at a server of RFC 2217: negotiates, sets the line, checks the values in force.
+// Pure.
 #pragma once
 
 #include <array>

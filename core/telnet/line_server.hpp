@@ -35,8 +35,8 @@ class LineServer {
   void on_bytes(ByteView received, LineActions& actions, Bytes& to_client);
   // Response to a LineChange. `done`: the value is in force.
   void on_changed(const LineChange& change, bool done, Bytes& to_client);
-  // States as in RFC 2217. That of the modem is sent if bits of the client's mask have changed, that
-  // of the line if bits of its mask are set.
+  // States as in RFC 2217. That of the modem is sent if bits of the client's mask have changed,
+  // that of the line if bits of its mask are set.
   void on_modem_state(std::uint8_t state, Bytes& to_client);
   void on_line_state(std::uint8_t state, Bytes& to_client);
 

@@ -1,5 +1,5 @@
-"""Tests `ports` of `engineers`: pyserial's rfc2217:// client and a raw socket reach a simulated PLC, and a device that echoes, through
-the bridge.
+"""Tests `ports` of `engineers`: pyserial's rfc2217:// client, ser2net and a raw socket reach a simulated PLC, and a device that echoes,
+through the bridge.
 
 usage: rfc2217_engineer_test.py BIN_FOLDER
 """
@@ -22,7 +22,7 @@ import unittest
 import serial
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from peers import DEADLINE, TCGETS2, free_port
+from peers import DEADLINE, TCGETS2, Program, free_port
 from plant import Plant, claim_domain, running_bridge, wait_until
 
 BIN = ""
@@ -74,6 +74,21 @@ def rfc2217(port, **settings):
     return serial.serial_for_url(f"rfc2217://127.0.0.1:{port}", timeout=DEADLINE, **settings)
 
 
+def connected(port):
+    with contextlib.suppress(OSError):
+        return socket.create_connection(("127.0.0.1", port), DEADLINE)
+
+
+def read_line(lines):
+    read = b""
+    while not read.endswith(b"\r"):
+        byte = lines.read(1)
+        if not byte:
+            raise EOFError(f"closed after {read}")
+        read += byte
+    return read
+
+
 SEVEN_E_TWO = {"baudrate": 115200, "bytesize": 7, "parity": "E", "stopbits": 2}
 
 
@@ -119,12 +134,7 @@ class PlcTest(unittest.TestCase):
 
     def test_programs_by_raw_bytes(self):
         with socket.create_connection(("127.0.0.1", self.ports["raw"]), DEADLINE) as peer, peer.makefile("rb") as lines:
-            def read_until():
-                read = b""
-                while not read.endswith(b"\r"):
-                    read += lines.read(1)
-                return read
-            self.program(peer.sendall, read_until)
+            self.program(peer.sendall, lambda: read_line(lines))
         self.ended("paired, raw bytes")
 
     def test_the_line_follows_the_software_and_has_its_own_settings_again(self):
@@ -141,6 +151,17 @@ class PlcTest(unittest.TestCase):
             port.reset_output_buffer()
             port.reset_input_buffer()
         becomes(115200, True)
+
+    def test_programs_through_ser2net_as_the_client(self):
+        outside, config = free_port(), os.path.join(self.plant.run, "ser2net.yaml")
+        with open(config, "w", encoding="utf-8") as file:
+            file.write(f"%YAML 1.1\n---\nconnection: &plc\n  accepter: tcp,127.0.0.1,{outside}\n"
+                       f"  connector: telnet(rfc2217),tcp,127.0.0.1,{self.ports['telnet']}\n")
+        with Program("ser2net", "-n", "-c", config):
+            peer = wait_until(lambda: connected(outside), DEADLINE, "ser2net does not listen")
+            with peer, peer.makefile("rb") as lines:
+                self.program(peer.sendall, lambda: read_line(lines))
+        self.ended("ended: the client disconnected")
 
     def test_a_second_user_is_refused(self):
         with rfc2217(self.ports["telnet"], **SEVEN_E_TWO):

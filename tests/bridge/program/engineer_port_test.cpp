@@ -1,6 +1,7 @@
 // Ports of single devices: RFC 2217 and raw bytes to a module that dialled in.
-#include "core/telnet/com_port.hpp"
 #include "tests/bridge/program/program_support.hpp"
+#include "tests/bridge/support/certificates.hpp"
+#include "tests/bridge/support/tls_client.hpp"
 
 namespace fieldcast::test {
 namespace {
@@ -58,6 +59,37 @@ TEST_F(EngineerPort, AnAddressOutsideTheListIsRefused) {
   start();
   const auto client = connect();
   EXPECT_TRUE(audited("refused: engineers do not connect from this address"));
+}
+
+TEST_F(EngineerPort, ACertificateIsTheLoginOfARawPort) {
+  Certificates files;
+  for (const char* name : {"bridge", "anna", "bob"}) files.issue(name, name);
+  spec.engineers->tls = {files.file("bridge.pem"), files.file("bridge.key"), files.file("ca.pem"),
+                         ""};
+  spec.engineers->proof = LoginProof::kCertificate;
+  port().raw = true;
+  start();
+  SecureClient bob(server.engineers_port(1), files.file("bob"));
+  EXPECT_TRUE(audited("login refused: user bob: the role viewer may not program"));
+  SecureClient anna(server.engineers_port(1), files.file("anna"));
+  EXPECT_TRUE(audited("no device of this number"));
+  const std::lock_guard lock(mutex);
+  EXPECT_THAT(audit.back().who, testing::StartsWith("anna (127.0.0.1:"));
+}
+
+TEST_F(EngineerPort, TheStopOfTheBridgeEndsTheSession) {
+  port().raw = true;
+  start();
+  TcpClient module = this->module("17\r\n");
+  std::unique_ptr<TcpClient> first;
+  ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");  // registered
+  first->send("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  const auto client = connect();
+  ASSERT_TRUE(audited("paired, raw bytes"));
+  server.stop();
+  EXPECT_TRUE(audited("ended: the bridge stops"));
+  EXPECT_EQ(client->receive("never"), "");
 }
 
 }  // namespace
