@@ -39,6 +39,7 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
     case CaptureRecord::Kind::kReceived: return take_received(std::move(record), out);
     case CaptureRecord::Kind::kRemark: return remark(record.text, out);
     case CaptureRecord::Kind::kEnded:
+      if (!in_flight_) return;  // unsolicited bytes end with a remark, or after kQuiet
       give_request(out);
       give_response(out);
       in_flight_ = false;

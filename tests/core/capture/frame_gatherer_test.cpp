@@ -54,6 +54,24 @@ TEST_F(FrameGathererTest, EachRoundOfAnExchangeIsAFrameOfItsOwn) {
   EXPECT_EQ(frames(), "0 > 68\n5 < E5\n6 > 10\n9 < 68 02\n");
 }
 
+// The bus reports after each piece that no response is awaited.
+TEST_F(FrameGathererTest, PiecesOfAnUnsolicitedFrameAreOneFrame) {
+  take_text(Kind::kEnded, 0);  // the capture begins between two frames
+  for (const std::int64_t at : {0, 100}) {
+    take(Kind::kReceived, at, "53 54 2C");
+    take_text(Kind::kEnded, at);
+    take(Kind::kReceived, at + 12, "31 32 0D");
+    take_text(Kind::kRemark, at + 12, "unsolicited");
+    take_text(Kind::kEnded, at + 12);
+  }
+  take(Kind::kReceived, 200, "53 54");
+  take_text(Kind::kEnded, 200);
+  gatherer_.look(ms(260), frames_);
+  EXPECT_EQ(frames(),
+            "12 < 53 54 2C 31 32 0D [unsolicited]\n112 < 53 54 2C 31 32 0D [unsolicited]\n"
+            "200 < 53 54\n");
+}
+
 TEST_F(FrameGathererTest, AnEchoIsNotAPartOfTheResponse) {
   take(Kind::kSent, 0, "01 03");
   take(Kind::kReceived, 5, "01");
