@@ -19,6 +19,10 @@ class Readings {
       for (const Frame& refusal : declaration_.refusals)
         offer(operation, &area, refusal, "refusal: ", Sender::kDevice);
     }
+    if (!alike_.empty())
+      best_.fields.front().value +=
+          " or " +
+          (alike_.size() == 1 ? alike_.front() : std::to_string(alike_.size()) + " others");
     return std::move(best_);
   }
 
@@ -39,7 +43,10 @@ class Readings {
       Reading reading = read_frame(declaration_, operation, area, frame, bytes_,
                                    title + operation.name, title == "refusal: ", by_length);
       reading.from_sender = sender_ == Sender::kUnknown || sender_ == sender;
-      if (best_.fields.empty() || reading.rank() > best_.rank()) best_ = std::move(reading);
+      if (best_.fields.empty() || reading.rank() > best_.rank())
+        best_ = std::move(reading), alike_.clear();
+      else if (reading.is_like(best_))
+        alike_.push_back(operation.name);
       if (best_.faultless) return;
     }
   }
@@ -48,6 +55,7 @@ class Readings {
   const ByteView bytes_;
   const Sender sender_;
   Reading best_;
+  std::vector<std::string> alike_;  // operations that also have the best frame
 };
 
 // Equal bytes that wake up a device, or spurious characters of a driver, before the frame. The

@@ -16,6 +16,18 @@ struct Reading {
   bool from_sender = true;
   std::int64_t evidence = 0;  // characters that must be as they are, without those that are wrong
   [[nodiscard]] auto rank() const { return std::tuple(faultless, from_sender, evidence); }
+  // Whether another operation has the same request or response.
+  [[nodiscard]] bool is_like(const Reading& other) const {
+    const auto kind = [](const Reading& each) {
+      return each.fields.front().value.substr(0, each.fields.front().value.find(':'));
+    };
+    const auto equal = [](const FrameField& a, const FrameField& b) {
+      return a.offset == b.offset && a.name == b.name && a.value == b.value;
+    };
+    return faultless && rank() == other.rank() && kind(*this) == kind(other) &&
+           std::equal(fields.begin() + 1, fields.end(), other.fields.begin() + 1,
+                      other.fields.end(), equal);
+  }
 };
 
 // `area`: null for a round without items. `by_length`: the field of variable length extends as a

@@ -72,7 +72,8 @@ TEST(Explain, TextFramesAreShownAsText) {
   const std::string frame = "%01$RD0000E10062\r";
   EXPECT_EQ(
       explained(*declaration("panasonic-mewtocol"), to_hex(Bytes(frame.begin(), frame.end()))),
-      "response: read data registers; head 0+1=%; address 1+2=1; done 3+3=$RD; items "
+      "response: read data registers or 2 others; head 0+1=%; address 1+2=1; "
+      "done 3+3=$RD; items "
       "6+8=0000 E100; checksum 14+2=62; end 16+1=0D");
 }
 
@@ -136,6 +137,15 @@ TEST(Explain, TheSenderDecidesBetweenEqualReadings) {
   EXPECT_EQ(explained(*modbus, both).substr(0, 19), "request: read coils");
   EXPECT_EQ(explained(*modbus, both, Sender::kDevice).substr(0, 20), "response: read coils");
   EXPECT_EQ(explained(*modbus, both, Sender::kBridge).substr(0, 19), "request: read coils");
+}
+
+// The relays S, X, Y, T, M and C of Delta are read with one command.
+TEST(Explain, AFrameOfSeveralOperationsIsCalledSo) {
+  const auto delta = declaration("delta-dvp-rtu");
+  EXPECT_EQ(explained(*delta, "05 01 01 00 50 B8").substr(0, 38),
+            "response: read step relays or 5 others");
+  EXPECT_EQ(explained(*delta, "05 01 08 1F 00 01 CF E8").substr(0, 30),
+            "request: read relays; address ");
 }
 
 TEST(Explain, ItemsAndCountsOutsideTheAreaAreFaults) {

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/base/message_text.hpp"
 #include "tools/cli/inspect/learn/operation_fields.hpp"
 #include "tools/cli/inspect/learn/plain_frames.hpp"
 
@@ -46,7 +47,8 @@ class Learner {
     refuse_equal_requests();
     set_addresses();
     if (dropped > 0)
-      note(fmt::format("{} exchanges have another length: refusals, or broken frames", dropped));
+      note(counted(dropped, "exchange has", "exchanges have") +
+           " another length: refusals, or broken frames");
     const auto has_checksum = [](const LearnedOperation& operation) {
       return std::ranges::count(operation.response, FieldKind::kChecksum, &LearnedField::kind) > 0;
     };
