@@ -216,6 +216,19 @@ TEST_F(InspectCapture, FramesOfDeclarationsAreExplained) {
             "FILE)\n");
 }
 
+// A piece has the end of a sentence and the beginning of the next one.
+TEST_F(InspectCapture, PiecesOfUnsolicitedFramesAreJoined) {
+  Bytes bytes = head();
+  for (const char* piece :
+       {"24 47 47 4D 57 56 2C 2C 2C 2C 2C 2A 36 30 0D 0A 24 47", "47 4D 57 56 2C 2C 2C",
+        "2C 2C 2A 36 30 0D 0A 24 47 47 4D 57 56 2C 2C 2C 2C 2C 2A 36 30 0D 0A", "24 47 47"})
+    add(bytes, Direction::kReceived, piece, "", "fieldcast-frame", "nmea-0183");
+  const auto shown = run({.protocol = file(bytes)});
+  EXPECT_EQ(shown.err, "fieldcast inspect: 4 frames, 1 with a fault\n");
+  EXPECT_THAT(shown.out, HasSubstr("<< nmea-0183 24 47 47 4D 57 56 2C 2C 2C 2C 2C 2A 36 30 0D 0A"));
+  EXPECT_THAT(shown.out, HasSubstr("<< nmea-0183 24 47 47\n"));
+}
+
 TEST_F(InspectCapture, ACutFileShowsWhatIsWholeAndNamesTheCut) {
   Bytes bytes = head();
   add(bytes, Direction::kSent, kRequest);

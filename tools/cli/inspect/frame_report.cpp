@@ -7,6 +7,7 @@
 #include <map>
 #include <ostream>
 #include <sstream>
+#include <utility>
 
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
@@ -65,30 +66,72 @@ const NamedProtocol* FrameReport::named_protocol_of(const std::string& name) {
   return options_.protocol ? &*options_.protocol : nullptr;
 }
 
-FrameReport::Explained FrameReport::explain(const SeenFrame& frame, const ValueDecoder* decoder) {
-  const auto sender = !frame.direction                       ? declared::Sender::kUnknown
-                      : *frame.direction == Direction::kSent ? declared::Sender::kBridge
-                                                             : declared::Sender::kDevice;
+FrameReport::FoundProtocol FrameReport::protocol_of(const SeenFrame& frame) {
+  const ValueDecoder* decoder = decoder_of(frame.bus);
   const DeviceSpec* device = decoder == nullptr ? nullptr : &decoder->asked_device();
   const bool from_device =
       device != nullptr && (frame.protocol.empty() || frame.protocol == device->protocol);
   if (from_device && device->declaration)
-    return {device->protocol, declared::explain(*device->declaration.value, frame.bytes, sender)};
+    return {device->protocol, nullptr, device->declaration.value.get()};
   const std::string& name = from_device ? device->protocol : frame.protocol;
   const NamedProtocol* protocol = named_protocol_of(name);
-  if (protocol == nullptr) return {name, {}};
-  return {std::string(protocol->name()),
-          protocol->built_in != nullptr
-              ? protocol->built_in->explain(frame.bytes)
-              : declared::explain(*protocol->declaration.value, frame.bytes, sender)};
+  if (protocol == nullptr) return {name};
+  return {std::string(protocol->name()), protocol->built_in, protocol->declaration.value.get()};
 }
 
+FrameReport::Explained FrameReport::explain(const SeenFrame& frame) {
+  const auto sender = !frame.direction                       ? declared::Sender::kUnknown
+                      : *frame.direction == Direction::kSent ? declared::Sender::kBridge
+                                                             : declared::Sender::kDevice;
+  const FoundProtocol protocol = protocol_of(frame);
+  if (protocol.built_in != nullptr) return {protocol.name, protocol.built_in->explain(frame.bytes)};
+  if (protocol.declaration == nullptr) return {protocol.name, {}};
+  return {protocol.name, declared::explain(*protocol.declaration, frame.bytes, sender)};
+}
+
+namespace {
+
+// Devices with addresses are left out: the search needs the address.
+bool only_unsolicited(const declared::Declaration& declaration) {
+  return declaration.lowest_address == declaration.highest_address &&
+         std::ranges::all_of(declaration.operations, [](const declared::Operation& operation) {
+           return operation.unsolicited > Duration::zero();
+         });
+}
+
+}  // namespace
+
 void FrameReport::show(const SeenFrame& frame) {
+  const declared::Declaration* declaration = protocol_of(frame).declaration;
+  if (declaration == nullptr || frame.direction != Direction::kReceived ||
+      !only_unsolicited(*declaration))
+    return show_whole(frame);
+  SeenFrame& begun = begun_[frame.bus];
+  Bytes bytes = std::move(begun.bytes);
+  append(bytes, frame.bytes);
+  begun = frame;
+  for (std::size_t used = 1; used > 0 && !bytes.empty();) {
+    used = declared::find_unsolicited(*declaration, declaration->lowest_address, bytes, true).used;
+    begun.bytes.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(used));
+    bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(used));
+    if (used > 0) show_whole(begun);
+  }
+  begun.bytes = std::move(bytes);
+  if (begun.bytes.size() > declared::kMaxFrame) show_whole(std::exchange(begun, {}));
+}
+
+void FrameReport::finish() {
+  for (const auto& [bus, frame] : std::exchange(begun_, {})) {
+    if (!frame.bytes.empty()) show_whole(frame);
+  }
+}
+
+void FrameReport::show_whole(const SeenFrame& frame) {
   ValueDecoder* decoder = decoder_of(frame.bus);
   std::vector<DecodedValue> values;
   if (decoder != nullptr && frame.direction)
     values = decoder->take(*frame.direction, frame.bytes, frame.comment);
-  const Explained explained = explain(frame, decoder);
+  const Explained explained = explain(frame);
   ++frames_;
   if (explained.fields.empty()) ++unknown_;
   if (count_faults(explained.fields) > 0) ++faulty_;
@@ -238,6 +281,7 @@ void explain_fault(const CaptureEnd& end, const std::string& name, std::size_t f
 ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                       std::ostream& err) {
   const CaptureEnd end = read_capture(in, [&](const SeenFrame& frame) { report.show(frame); });
+  report.finish();
   const std::string frames = counted(report.frames(), "frame", "frames");
   if (end.fault) {
     explain_fault(end, name, report.frames(), err);
@@ -288,9 +332,11 @@ bool read_trace(std::string_view text, const OnFrame& on_frame, const OnRemark& 
 }
 
 bool show_trace(std::string_view text, FrameReport& report) {
-  return read_trace(
+  const bool any = read_trace(
       text, [&](const SeenFrame& frame) { report.show(frame); },
       [&](const auto&... words) { report.remark(words...); });
+  report.finish();
+  return any;
 }
 
 }  // namespace fieldcast::cli

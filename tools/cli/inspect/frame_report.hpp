@@ -35,7 +35,11 @@ class FrameReport {
   };
   FrameReport(Options options, std::ostream& out, const Screen& screen);
 
+  // Frames that a device sends by itself are shown when they are whole: a capture has the pieces
+  // that were received.
   void show(const SeenFrame& frame);
+  // Shows what has not become a whole frame. No frame may follow.
+  void finish();
   void remark(const std::string& time, const std::string& bus, const std::string& text);
 
   [[nodiscard]] std::size_t frames() const { return frames_; }
@@ -47,9 +51,16 @@ class FrameReport {
     std::string protocol;
     std::vector<FrameField> fields;
   };
+  struct FoundProtocol {
+    std::string name;
+    const ProtocolEntry* built_in = nullptr;
+    const declared::Declaration* declaration = nullptr;  // both null: unknown
+  };
   [[nodiscard]] ValueDecoder* decoder_of(const std::string& bus);
   [[nodiscard]] const NamedProtocol* named_protocol_of(const std::string& name);
-  [[nodiscard]] Explained explain(const SeenFrame& frame, const ValueDecoder* decoder);
+  [[nodiscard]] FoundProtocol protocol_of(const SeenFrame& frame);
+  [[nodiscard]] Explained explain(const SeenFrame& frame);
+  void show_whole(const SeenFrame& frame);
   void show_lines(const SeenFrame& frame, const Explained& explained,
                   const std::vector<DecodedValue>& values);
   void show_json(const SeenFrame& frame, const Explained& explained,
@@ -60,6 +71,7 @@ class FrameReport {
   const Screen screen_;
   std::map<std::string, std::unique_ptr<ValueDecoder>, std::less<>> decoders_;  // by bus
   std::map<std::string, std::optional<NamedProtocol>> protocols_;               // of frames
+  std::map<std::string, SeenFrame> begun_;  // by bus: the pieces of an unsolicited frame
   std::size_t frames_ = 0, faulty_ = 0, unknown_ = 0;
 };
 
