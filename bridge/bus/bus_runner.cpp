@@ -126,7 +126,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (revoked_)
       return granted(tl::make_unexpected(LeaseRefused{true, "the bus is leased already"}));
     if (stopped_ || !open_) return granted(tl::make_unexpected(not_open()));
-    if (has_tls())
+    if (has_tls(spec_.port))
       return granted(tl::make_unexpected(LeaseRefused{
           false, fmt::format("the port of bus {} has TLS and cannot be leased", spec_.name)}));
     revoked_ = std::move(revoked);
@@ -200,10 +200,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
  private:
-  [[nodiscard]] bool has_tls() const {
-    const auto* tcp = std::get_if<TcpPortSpec>(&spec_.port);
-    return tcp != nullptr && tcp->tls;
-  }
   LeaseRefused not_open() const {
     return {false, fmt::format("the port of bus {} is not open", spec_.name)};
   }

@@ -14,15 +14,15 @@ namespace fieldcast {
 class TlsEngine {
  public:
   // `server`: host name or IP address that the server's certificate must have. The error is one
-  // line that names the file which is missing, has other contents, or is a key that others can read.
+  // line that names the file: it is missing, has other contents, or is a key that others can read.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsEngine>, std::string> make(
       const TlsSpec& files, const std::string& server);
   ~TlsEngine();
   TlsEngine(const TlsEngine&) = delete;
   TlsEngine& operator=(const TlsEngine&) = delete;
 
-  // Accepts received bytes, at first none. Appends plain bytes to `plain`, and to `out` what must be
-  // sent. Returns false if the connection must end after that; see fault().
+  // Accepts received bytes, at first none. Appends plain bytes to `plain`, and to `out` what must
+  // be sent. Returns false if the connection must end after that; see fault().
   [[nodiscard]] bool receive(ByteView bytes, Bytes& plain, Bytes& out);
   // Appends the encrypted bytes to `out`, none after a fault. REQUIRES: ready().
   void send(ByteView plain, Bytes& out);

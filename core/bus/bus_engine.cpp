@@ -320,8 +320,8 @@ void BusEngine::give_up(Cause cause, Instant now, ActionSink& sink) {
   outcomes_.count(cause);
 }
 
-// A command is alone on the connection, so no read that began before a write ends after it. Reads of
-// the gateway are in flight with those of the plan.
+// A command is alone on the connection, so no read that began before a write ends after it. Reads
+// of the gateway are in flight with those of the plan.
 bool BusEngine::select_free() {
   if (!any_free()) return false;
   const auto repeats = std::ranges::find_if(parts_.wires, &Wire::waiting);

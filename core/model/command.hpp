@@ -39,7 +39,7 @@ struct Command {
   std::vector<Value> values;  // kWrite: one, or for an address one for each of `count`
   // kAcquire of an address: number of consecutive values; for a bit, of consecutive bits.
   std::uint32_t count = 1;
-  bool verify = false;       // read back after the write
+  bool verify = false;  // read back after the write
   // kWrite of one value: only these bits change, in one request (Modbus function 22).
   std::optional<std::uint16_t> mask = std::nullopt;
   Instant expires = kNever;  // latest start

@@ -48,6 +48,10 @@ bool has_datagrams(const PortSpec& port) {
   return std::visit([](const auto& each) { return each.has_datagrams(); }, port);
 }
 
+bool has_tls(const PortSpec& port) {
+  return std::visit([](const auto& each) { return each.has_tls(); }, port);
+}
+
 // A plain TCP device has no character time; only its requests have a significant cost.
 LineFormat line_of(const PortSpec& port) {
   return known_line(port).value_or(LineFormat{100'000'000, 8, Parity::kNone, 1});

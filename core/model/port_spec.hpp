@@ -42,6 +42,7 @@ struct SerialPortSpec {
 
   static constexpr bool kOverNetwork = false;
   [[nodiscard]] static bool has_datagrams() { return false; }
+  [[nodiscard]] static bool has_tls() { return false; }
   [[nodiscard]] std::string name() const { return path; }  // "/dev/ttyUSB0"
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
@@ -60,6 +61,7 @@ struct TcpPortSpec {
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] bool has_datagrams() const { return datagrams; }
+  [[nodiscard]] bool has_tls() const { return tls.has_value(); }
   // Of the server's certificate.
   [[nodiscard]] const std::string& certified_name() const {
     return server_name.empty() ? host : server_name;
@@ -93,6 +95,7 @@ struct DialInPortSpec {
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] static bool has_datagrams() { return false; }
+  [[nodiscard]] static bool has_tls() { return false; }
   [[nodiscard]] std::string name() const { return "dial-in " + number; }
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
@@ -109,6 +112,7 @@ using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, Rfc2217PortSpec, Dial
 [[nodiscard]] bool over_network(const PortSpec& port);
 [[nodiscard]] bool has_line(const PortSpec& port);
 [[nodiscard]] bool has_datagrams(const PortSpec& port);
+[[nodiscard]] bool has_tls(const PortSpec& port);
 
 [[nodiscard]] const FenceSpec& fence_of(const PortSpec& port);
 

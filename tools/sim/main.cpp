@@ -94,7 +94,7 @@ int simulate(const Arguments& given) {
                   fmt::format("{}: {}: a server of RFC 2217 is not simulated; simulate its "
                               "line as a serial port, and serve that with ser2net",
                               given.config, spec.name));
-    if (const auto* tcp = std::get_if<TcpPortSpec>(&spec.port); tcp != nullptr && tcp->tls)
+    if (has_tls(spec.port))
       return fail(kBadFile, fmt::format("{}: {}: the simulator has no TLS; use a port 'tcp'",
                                         given.config, spec.name));
     auto bus = sim::SimBus::make(spec, faults.buses[spec.name], given.seed, start);

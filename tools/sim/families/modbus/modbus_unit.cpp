@@ -279,8 +279,8 @@ Bytes ModbusUnit::write_file(ByteView pdu) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 18 pointer(2) -> bytes(2) count(2) registers..; more than 31 are refused (V1.1b3, 6.18). Without a
-// count in the memory, the last register that it holds ends the queue. A waveform stays below 32.
+// 18 pointer(2) -> bytes(2) count(2) registers..; more than 31 are refused (V1.1b3, 6.18). Without
+// a count in the memory, the last register that it holds ends the queue. A waveform stays below 32.
 Bytes ModbusUnit::read_fifo(ByteView pdu, Instant now) {
   if (pdu.size() != 3) return exception(pdu, kValue);
   const std::uint32_t first = read_u16(pdu, 1) * kQueueItems;
