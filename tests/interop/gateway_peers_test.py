@@ -75,14 +75,19 @@ buses:
 
 class GatewayPeersTest(InAFolder):
     @contextlib.contextmanager
-    def gateway(self, max_age="0ms"):
+    def gateway(self, max_age="0ms", in_flight=False):
         with contextlib.ExitStack() as stack:
             domain, claim = claim_domain()
             stack.enter_context(claim)
             cable = stack.enter_context(SerialCable())
-            stack.enter_context(Program(LIBMODBUS, "rtu", cable.right, 19200, UNIT)).wait_ready()
-            port = free_port()
-            self.config = self.file("bridge.yaml", CONFIG.format(domain=domain, folder=self.folder, line=cable.left, port=port, unit=UNIT, max_age=max_age))
+            port, device = free_port(), free_port()
+            server = ("tcp", device) if in_flight else ("rtu", cable.right, 19200, UNIT)
+            stack.enter_context(Program(LIBMODBUS, *server)).wait_ready()
+            text = CONFIG.format(domain=domain, folder=self.folder, line=cable.left, port=port, unit=UNIT, max_age=max_age)
+            if in_flight:
+                text = text.replace(f"serial: {cable.left}, baud: 19200, format: 8N1 }}", f'tcp: "127.0.0.1:{device}" }}\n    in-flight: 4')
+                text = text.replace("modbus-rtu", "modbus-tcp")
+            self.config = self.file("bridge.yaml", text)
             stack.enter_context(running_bridge(BIN, self.config, self.path("log")))
             self.wait_connected(port)
             yield port
@@ -205,7 +210,13 @@ class GatewayPeersTest(InAFolder):
             good.close()
 
     def test_many_clients_see_one_line(self):
-        with self.gateway("200ms") as port:
+        self.see_one_device(max_age="200ms")
+
+    def test_many_clients_share_the_requests_in_flight(self):
+        self.see_one_device(in_flight=True)
+
+    def see_one_device(self, **options):
+        with self.gateway(**options) as port:
             kinds = [LibmodbusClient, PymodbusClient] * 4
             wrong = []
 

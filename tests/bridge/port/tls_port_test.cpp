@@ -4,9 +4,11 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
+#include <random>
 
 #include "bridge/net/tls.hpp"
-#include "bridge/port/stream_port.hpp"
+#include "bridge/net/tls_engine.hpp"
+#include "bridge/port/port.hpp"
 #include "tests/bridge/support/certificates.hpp"
 #include "tests/bridge/support/port_probe.hpp"
 
@@ -18,6 +20,8 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
+
+using Spec = std::variant_alternative_t<1, PortSpec>;  // of a port over TCP
 
 struct TlsPortTest : testing::Test {
   static void SetUpTestSuite() {
@@ -34,8 +38,8 @@ struct TlsPortTest : testing::Test {
             files->file(authority + ".pem"),
             {}};
   }
-  TcpPortSpec spec(const std::string& client = "bridge", const std::string& authority = "ca") {
-    TcpPortSpec made;
+  Spec spec(const std::string& client = "bridge", const std::string& authority = "ca") {
+    Spec made;
     made.host = "127.0.0.1";
     made.port = acceptor.local_endpoint().port();
     made.tls = own(client, authority);
@@ -55,13 +59,14 @@ struct TlsPortTest : testing::Test {
     acceptor.async_accept(
         peer, [this, bytes](boost::system::error_code) { asio::write(peer, asio::buffer(bytes)); });
   }
-  void connect(TcpPort& port) {
+  void connect(Port& port) {
     serve(own("plc", "ca"));
     port.open(probe);
     ASSERT_TRUE(run_until(io, [this] { return probe.opened == 1 && stream; }));
   }
-  std::string refusal(const TcpPortSpec& tried) {
-    TcpPort port(io, tried);
+  std::string refusal(const Spec& tried) {
+    const auto made = make_port(io, tried);
+    Port& port = *made;
     port.open(probe);
     if (!run_until(io, [this] { return !probe.closed.empty(); })) return "no refusal";
     EXPECT_EQ(probe.causes.front(),
@@ -95,7 +100,8 @@ struct TlsPortTest : testing::Test {
 std::unique_ptr<Certificates> TlsPortTest::files;
 
 TEST_F(TlsPortTest, CarriesBytesBothWays) {
-  TcpPort port(io, spec());
+  const auto made = make_port(io, spec());
+  Port& port = *made;
   connect(port);
   EXPECT_EQ(stream->peer_name(), "bridge");
   port.write(Bytes{0, 1, 2, 0xFF});
@@ -111,7 +117,8 @@ TEST_F(TlsPortTest, CarriesBytesBothWays) {
 }
 
 TEST_F(TlsPortTest, ReceivedBytesAreDroppedOnlyIfNoOtherRequestWaits) {
-  TcpPort port(io, spec());
+  const auto made = make_port(io, spec());
+  Port& port = *made;
   connect(port);
   send({1});
   port.write(Bytes{0});
@@ -123,7 +130,8 @@ TEST_F(TlsPortTest, ReceivedBytesAreDroppedOnlyIfNoOtherRequestWaits) {
 }
 
 TEST_F(TlsPortTest, ItIsNotLeased) {
-  TcpPort port(io, spec());
+  const auto made = make_port(io, spec());
+  Port& port = *made;
   connect(port);
   EXPECT_FALSE(port.lease().valid());
   port.write(Bytes{5});
@@ -138,21 +146,22 @@ TEST_F(TlsPortTest, ACertificateOfAnotherIssuerIsRefused) {
 
 TEST_F(TlsPortTest, ACertificateThatIsKnownItselfNeedsNoIssuer) {
   serve(own("plc", "ca"));
-  TcpPort port(io, spec("bridge", "plc"));
+  const auto made = make_port(io, spec("bridge", "plc"));
+  Port& port = *made;
   port.open(probe);
   EXPECT_TRUE(run_until(io, [this] { return probe.opened == 1; }));
 }
 
 TEST_F(TlsPortTest, ACertificateOfAnotherNameIsRefused) {
   serve(own("plc", "ca"));
-  TcpPortSpec other = spec();
+  Spec other = spec();
   other.server_name = "10.0.0.7";
   EXPECT_THAT(refusal(other), AllOf(HasSubstr("'10.0.0.7'"), HasSubstr("IP address mismatch")));
 }
 
 TEST_F(TlsPortTest, AHostNameIsComparedWithTheNames) {
   serve(own("plc", "ca"));
-  TcpPortSpec other = spec();
+  Spec other = spec();
   other.server_name = "press.example";
   EXPECT_THAT(refusal(other), AllOf(HasSubstr("'press.example'"), HasSubstr("ostname mismatch")));
 }
@@ -163,7 +172,8 @@ TEST_F(TlsPortTest, AServerThatRefusesTheClientIsReported) {
 }
 
 TEST_F(TlsPortTest, AServerThatRefusesTheClientWithoutAReasonIsReported) {
-  TcpPort port(io, spec());
+  const auto made = make_port(io, spec());
+  Port& port = *made;
   connect(port);
   stream->close();
   ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
@@ -186,21 +196,43 @@ TEST_F(TlsPortTest, AServerThatClosesInTheHandshakeIsReported) {
 
 TEST_F(TlsPortTest, AHandshakeEndsAtTheTimeoutOfTheConnection) {
   accept(std::string("\x16\x03\x03\x40\x00", 5));  // the begin of a record that never ends
-  TcpPortSpec slow = spec();
+  Spec slow = spec();
   slow.connect_timeout = 100ms;
   EXPECT_EQ(refusal(slow), "no TLS handshake within 100ms");
 }
 
+TEST_F(TlsPortTest, RandomBytesAreNoServer) {
+  std::mt19937 random{7};
+  for (int round = 0; round < 300; ++round) {
+    const auto engine = *TlsEngine::make(own("bridge", "ca"), "127.0.0.1");
+    Bytes plain, out;
+    ASSERT_TRUE(engine->receive({}, plain, out));
+    EXPECT_FALSE(out.empty()) << "the first message of the client";
+    bool open = true;
+    for (int piece = 0; open && piece < 20; ++piece) {
+      Bytes noise(1 + random() % 3000);
+      for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random());
+      if (piece == 0 && round % 2 == 0) noise.insert(noise.begin(), {0x16, 3, 3});  // a record
+      open = engine->receive(noise, plain, out);
+    }
+    EXPECT_FALSE(open);
+    EXPECT_FALSE(engine->ready());
+    EXPECT_FALSE(engine->fault().empty());
+    EXPECT_TRUE(plain.empty());
+    engine->send(Bytes{1, 2, 3}, out);
+  }
+}
+
 TEST_F(TlsPortTest, FilesThatAreNotUsableAreNamed) {
   acceptor.async_accept(peer, [](boost::system::error_code) {});
-  TcpPortSpec wrong = spec();
+  Spec wrong = spec();
   wrong.tls->key = files->file("none.key");
   EXPECT_THAT(refusal(wrong), HasSubstr("none.key"));
 }
 
 TEST_F(TlsPortTest, AKeyThatOthersCanReadIsRefused) {
   acceptor.async_accept(peer, [](boost::system::error_code) {});
-  TcpPortSpec open = spec();
+  Spec open = spec();
   open.tls->key = files->write("open.key", files->text("bridge.key"), 0644);
   EXPECT_THAT(refusal(open), HasSubstr("open.key"));
 }
