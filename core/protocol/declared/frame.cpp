@@ -207,6 +207,37 @@ Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
   return meant;
 }
 
+namespace {
+
+// Transforms, checks and escapes the frame that begins at `begin`. `starts`: of its fields.
+void seal(Bytes& out, std::size_t begin, const Frame& frame,
+          const std::vector<std::size_t>& starts) {
+  const auto& fields = frame.fields;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (!fields[i].transform) continue;
+    for (std::size_t at = begin + starts[i]; at < begin + starts[i + 1]; ++at)
+      out[at] = fields[i].transform.sent(out[at]);
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].kind != FieldKind::kChecksum) continue;
+    Bytes sum;
+    append_word(sum, fields[i].word,
+                check_of(fields[i].check, fields[i].bits,
+                         covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
+    for (std::uint8_t& byte : sum) byte = fields[i].transform.sent(byte);
+    std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
+  }
+  if (frame.escape == Escape::kNone) return;
+  const auto from = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.from]);
+  const auto to = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.to + 1u]);
+  Bytes tail = escaped(frame.escape, ByteView(from, to));
+  tail.insert(tail.end(), to, out.end());
+  out.erase(from, out.end());
+  append(out, tail);
+}
+
+}  // namespace
+
 void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
   const auto& fields = frame.fields;
   const std::size_t begin = out.size();
@@ -251,27 +282,7 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
     }
   }
   starts.push_back(out.size() - begin);
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (!fields[i].transform) continue;
-    for (std::size_t at = begin + starts[i]; at < begin + starts[i + 1]; ++at)
-      out[at] = fields[i].transform.sent(out[at]);
-  }
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (fields[i].kind != FieldKind::kChecksum) continue;
-    Bytes sum;
-    append_word(sum, fields[i].word,
-                check_of(fields[i].check, fields[i].bits,
-                         covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
-    for (std::uint8_t& byte : sum) byte = fields[i].transform.sent(byte);
-    std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
-  }
-  if (frame.escape == Escape::kNone) return;
-  const auto from = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.from]);
-  const auto to = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.to + 1u]);
-  Bytes tail = escaped(frame.escape, ByteView(from, to));
-  tail.insert(tail.end(), to, out.end());
-  out.erase(from, out.end());
-  append(out, tail);
+  seal(out, begin, frame, starts);
 }
 
 }  // namespace fieldcast::declared
