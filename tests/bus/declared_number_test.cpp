@@ -33,13 +33,17 @@ operations:
     answer: *state
 )";
 
-BusSpec gauge() {
+BusSpec gauge(const char* declaration = kGauge) {
   const config::FileReader reader{
-      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/gauge.yaml") return kGauge;
+      [declaration](const std::string& path) -> tl::expected<std::string, config::FileError> {
+        if (path == "protocols/gauge.yaml") return declaration;
         return tl::unexpected(config::FileError::kMissing);
       },
       {}};
+  const std::string level =
+      declaration == kGauge
+          ? "          - { name: level, at: level, type: float32, text: decimal }\n"
+          : "";
   const auto loaded = config::load_text(R"(
 bridge: b
 buses:
@@ -52,8 +56,7 @@ buses:
         address: 1
         allow: [raw-read]
         channels:
-          - { name: level, at: level, type: float32, text: decimal }
-          - { name: target, at: target, type: float64, access: read-write }
+)" + level + R"(          - { name: target, at: target, type: float64, access: read-write }
 )",
                                         "plant.yaml", reader);
   if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
@@ -71,6 +74,38 @@ CommandResult run(VirtualBus& bus, Command command) {
 }
 CommandResult write(VirtualBus& bus, const Value& value) {
   return run(bus, {.target = ChannelTarget{"target"}, .values = {value}, .verify = true});
+}
+
+// A limit of two bytes with its decimals.
+constexpr auto kCounter = R"(
+summary: a counter
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: start, constant: "R" }, { is: address }]
+    answer: &state
+      - { name: start, constant: "A" }
+      - { is: address }
+      - { is: decimals, of: target }
+      - { name: target, is: value, bytes: 2, signed: true }
+      - { is: checksum, kind: crc16-modbus, of: start..target, bytes: 2 }
+  - name: set
+    write: state
+    request: [{ name: start, constant: "W" }, { is: address }, { is: decimals, of: target }, { name: target, is: value, bytes: 2, signed: true }]
+    answer: *state
+)";
+
+TEST(DeclaredNumber, IsWrittenWithItsDecimals) {
+  const BusSpec spec = gauge(kCounter);
+  VirtualBus bus(spec, {}, 1);
+  bus.run_until(bus.now() + 2s);
+  for (const double value : {12.5, -0.25, 32767.0, 0.0})
+    EXPECT_EQ(write(bus, Value{value}).state, CommandState::kVerified) << value;
+  const CommandResult large = write(bus, Value{40000.0});
+  EXPECT_EQ(large.cause, Cause::kRange);
+  EXPECT_EQ(large.reason, "40000 does not fit the digits that the device accepts");
 }
 
 TEST(DeclaredNumber, IsReadAndWrittenAsTheDeviceSpellsIt) {

@@ -249,6 +249,14 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
       return fault(Cause::kUnsupported, "a bit of a word that cannot be read cannot be written");
   }
   if (!protocol_->size(write_request())) {
+    // If another value can be written, only this one is too large for the field of the device.
+    WriteRequest other = write_request();
+    const auto zero =
+        encode_value(first.encoding, area(first.range).item_bits, Value{std::int64_t{0}}, *codec_);
+    if (zero && subjects_.size() == 1) other.items = *zero;
+    if (protocol_->size(other))
+      return fault(Cause::kRange, to_text(command_.values[0]) +
+                                      " does not fit the digits that the device accepts");
     if (const auto* address = std::get_if<AddressTarget>(&command_.target);
         address != nullptr && is_field(*protocol_->parse_address(address->at)))
       return never_written(address->at);
