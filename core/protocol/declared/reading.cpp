@@ -1,5 +1,7 @@
 #include "core/protocol/declared/reading.hpp"
 
+#include <utility>
+
 #include "core/protocol/declared/frame.hpp"
 #include "core/protocol/declared/scaled.hpp"
 #include "core/protocol/field_writer.hpp"
@@ -56,13 +58,20 @@ class Reader {
     (void)unescape_from(frame_, offset, bytes_, plain_);
     escaped_from_ = offset;
     escaped_to_ = offset + read.plain.size();
-    bytes_ = plain_;
+    wire_ = std::exchange(bytes_, plain_);
   }
   // The place on the wire of a byte of `plain_`.
   std::size_t on_wire(std::size_t at) const {
     if (at <= *escaped_from_) return at;
-    const auto part = bytes_.subspan(*escaped_from_, std::min(at, escaped_to_) - *escaped_from_);
-    return at - part.size() + escaped(frame_.escape, part).size();
+    const std::size_t end = std::min(at, escaped_to_);
+    if (frame_.escape == Escape::kCobs)
+      return at - end + *escaped_from_ +
+             escaped(frame_.escape, bytes_.subspan(*escaped_from_, end - *escaped_from_)).size();
+    // Not by what would be sent: a sender may leave a byte as it is.
+    std::size_t wire = *escaped_from_;
+    for (std::size_t i = wire; i < end; ++i)
+      wire += declared::unescape(frame_.escape, wire_.subspan(wire, 1)).plain.empty() ? 2 : 1;
+    return at - end + wire;
   }
   // Equal bytes that wake a device up; receivers accept any number of them.
   static bool is_wake_up(const Field& field) {
@@ -352,6 +361,7 @@ class Reader {
   const DeclaredArea* area_;
   const Frame& frame_;
   ByteView bytes_;  // with escaped fields: plain_
+  ByteView wire_;
   Bytes plain_;
   const unsigned item_bits_;
   FrameContext context_;
