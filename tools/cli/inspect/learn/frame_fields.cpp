@@ -41,9 +41,9 @@ LearnedField constant_field(ByteView bytes, std::ptrdiff_t at) {
 }
 
 std::string word_of(FieldKind kind) {
-  static constexpr const char* kWords[] = {"constant", "address",  "command", "first", "count",
-                                           "last",     "length",   "items",   "value", "checksum",
-                                           "error",    "sequence", "unused"};
+  static constexpr const char* kWords[] = {
+      "constant", "address",  "command", "first",    "count",    "last",     "length", "items",
+      "value",    "checksum", "error",   "sequence", "exponent", "decimals", "sign",   "unused"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "tools/cli/inspect/learn/frame_fields.hpp"
 
@@ -186,8 +185,9 @@ class OperationBuilder {
     const auto repeated = [&](std::ptrdiff_t column) {
       return echo_of({&group_, 1}, column, roles_.shift).holds_mostly();
     };
-    const auto run = std::views::iota(at, last);
-    if (std::ranges::all_of(run, repeated)) made.echo = roles_.shift;
+    std::ptrdiff_t run = at;
+    while (run < last && repeated(run)) ++run;
+    if (run == last) made.echo = roles_.shift;
     const auto is_echo = [&](std::ptrdiff_t column) {
       return made.echo && free(column) && repeated(column);
     };
