@@ -83,6 +83,7 @@ struct Rfc2217PortSpec {
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] static bool has_datagrams() { return false; }
+  [[nodiscard]] static bool has_tls() { return false; }
   [[nodiscard]] std::string name() const { return "rfc2217 " + host + ':' + std::to_string(port); }
   [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
   friend bool operator==(const Rfc2217PortSpec&, const Rfc2217PortSpec&) = default;

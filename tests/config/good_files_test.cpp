@@ -52,7 +52,7 @@ class Everything : public testing::Test {
     auto loaded = load_text(slurp(folder / "everything.yaml"), "everything.yaml", within(folder));
     ASSERT_TRUE(loaded) << faults_of(loaded);
     spec = std::move(*loaded);
-    ASSERT_EQ(spec.buses.size(), 5u);
+    ASSERT_EQ(spec.buses.size(), 6u);
     ASSERT_EQ(spec.buses[0].devices.size(), 3u);
   }
 

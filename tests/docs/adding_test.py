@@ -26,7 +26,9 @@ EXAMPLES = {
         r'\bmodule_command\b|command/module\.cpp|fieldcast module\b|"fieldcast", "module"', 5, ["bridge/program/", "tests/bridge/program/"]),
     "a key of the configuration": Example(r"\blow[-_]latency\b", 15, ["docs/troubleshooting.md", "tools/cli/doctor/"]),
     "a port": Example(
-        r"\bTcpPortSpec\b|\bStreamPort\b|stream_port", 14, ["tests/bus/", "tests/tools/", "tools/cli/", "tools/sim/check/"]),
+        # The port of RFC 2217 is made of the same parts.
+        r"\bTcpPortSpec\b|\bStreamPort\b|stream_port", 14,
+        ["bridge/port/rfc2217_port.hpp", "bridge/port/tcp_opening.hpp", "tests/bus/", "tests/tools/", "tools/cli/", "tools/sim/check/"]),
     "a protocol in C++": Example(
         r"\bmitsubishi_fx\b|\bfx_device\b|\bFxDevice\b", 17, []),
     "a family of records in the store": Example(
