@@ -110,7 +110,7 @@ class Validator {
     const bool is_fast_dds = datagram_[6] == 1 && datagram_[7] == 15;
     if (kind == Submessage::kStatistics && is_fast_dds && !is_last) return RtpsFault::kOrder;
     is_open_ = is_protected_ || step_ != Step::kOutside;
-    // Without DDS Security, the library reads what is between the headers as if they were not there.
+    // Without DDS Security, the library reads what is between the headers as if there were none.
     event_.is_protected = is_open_ && limits_.secured;
     return std::nullopt;
   }
