@@ -611,23 +611,27 @@ const Lines kRtuRequest{"0 address 1b", "1 fixed 03", "2 first 2b", "4 count 2b"
                         "6 checksum 2b< of 0..6 kind 3 complement 0 crc 16/8005/FFFF/0/truetrue"};
 
 TEST_F(OtherFrames, EscapedFrames) {
-  const std::tuple<declared::Escape, Bytes, Bytes> kForms[] = {
-      {declared::Escape::kDle, {0x10, 0x02}, {0x10, 0x03}},
-      {declared::Escape::kSlip, {0xC0}, {0xC0}},
-      {declared::Escape::kCobs, {}, {0x00}},
-      {declared::Escape::kHdlc, {0x7E}, {0x7E}}};
-  for (const auto& [escape, begin, end] : kForms) {
+  struct Form {
+    declared::Escape escape;
+    Bytes begin, end;
+  };
+  const Form kForms[] = {{declared::Escape::kDle, {0x10, 0x02}, {0x10, 0x03}},
+                         {declared::Escape::kSlip, {0xC0}, {0xC0}},
+                         {declared::Escape::kCobs, {}, {0x00}},
+                         {declared::Escape::kHdlc, {0x7E}, {0x7E}}};
+  for (const Form& form : kForms) {
     const auto framed = [&](const Bytes& plain) {
-      Bytes frame = begin;
-      append(frame, declared::escaped(escape, plain));
-      append(frame, end);
+      Bytes frame = form.begin;
+      append(frame, declared::escaped(form.escape, plain));
+      append(frame, form.end);
       return frame;
     };
     const auto made = learned(framed, framed);
-    EXPECT_EQ(made->operations.at(0).request.escape, escape) << proposal_.escape;
+    EXPECT_EQ(made->operations.at(0).request.escape, form.escape) << proposal_.escape;
     const Lines lines = lines_of(made->operations[0], false);
-    ASSERT_EQ(lines.size(), kRtuRequest.size() + 1 + (begin.empty() ? 0 : 1)) << proposal_.escape;
-    EXPECT_EQ(lines.back(), fmt::format("{} fixed {}", begin.size() + 8, to_hex(end)));
+    ASSERT_EQ(lines.size(), kRtuRequest.size() + 1 + (form.begin.empty() ? 0 : 1))
+        << proposal_.escape;
+    EXPECT_EQ(lines.back(), fmt::format("{} fixed {}", form.begin.size() + 8, to_hex(form.end)));
     EXPECT_THAT(lines[lines.size() - 2], HasSubstr("checksum 2b<"));
   }
 }
