@@ -252,16 +252,21 @@ TEST(DdsLink, WhoReadsSamplesOneByOneGetsEveryLastValueFirstAndThenEverySample) 
   }
 }
 
-TEST(DdsLink, SampleWritersRestAfterTheirLastReaderAndServeTheNextOne) {
-  const std::string bus = bus_name("resting");
-  Received received;
-  DdsLink::Handlers handlers = received.handlers();
-  std::atomic<int> ahead = 0;  // seconds
-  handlers.clock = [&] {
+// `ahead`: seconds.
+DdsLink::Handlers with_clock(DdsLink::Handlers handlers, const std::atomic<int>& ahead) {
+  handlers.clock = [&ahead] {
     UtcMapping now = both_clocks();
     now.instant += std::chrono::seconds{ahead};
     return now;
   };
+  return handlers;
+}
+
+TEST(DdsLink, SampleWritersRestAfterTheirLastReaderAndServeTheNextOne) {
+  const std::string bus = bus_name("resting");
+  Received received;
+  std::atomic<int> ahead = 0;  // seconds
+  const DdsLink::Handlers handlers = with_clock(received.handlers(), ahead);
   DdsLink link(loopback(), "test", handlers);
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 20ms; }));
   const auto report = [&] { link.report(bus, BusReport{}, both_clocks().utc); };
@@ -286,13 +291,8 @@ TEST(DdsLink, SampleWritersRestAfterTheirLastReaderAndServeTheNextOne) {
 TEST(DdsLink, WritersThatHaveWrittenManyMessagesAreReplaced) {
   const std::string bus = bus_name("renewed");
   Received received;
-  DdsLink::Handlers handlers = received.handlers();
   std::atomic<int> ahead = 0;  // seconds
-  handlers.clock = [&] {
-    UtcMapping now = both_clocks();
-    now.instant += std::chrono::seconds{ahead};
-    return now;
-  };
+  const DdsLink::Handlers handlers = with_clock(received.handlers(), ahead);
   DdsLink link(loopback(), "test", handlers);
   link.add_bus(bus_of(bus, 2));
   const OneByOne each("each");

@@ -1,20 +1,12 @@
 // `fieldcast inspect --learn` of random, damaged and few frames: its limits bound the time, and the
 // loader accepts what is proposed.
-#include <gtest/gtest.h>
-
-#include <random>
-
-#include "config/loader/loader.hpp"
-#include "tools/cli/inspect/learn/proposal.hpp"
+#include "tests/tools/cli/learn_plant.hpp"
 
 namespace fieldcast::learn {
 namespace {
 
 void expect_loads(const Proposal& proposal) {
-  if (!proposal.is_declarable()) return;
-  const std::string text = declaration_text(proposal);
-  const auto loaded = config::load_declaration_text(text, "learned.yaml");
-  EXPECT_TRUE(loaded) << config::to_text(std::span(loaded.error())) << text;
+  if (proposal.is_declarable()) (void)declared_by(proposal);
 }
 
 void expect_valid(ExchangePairing& pairing) {
