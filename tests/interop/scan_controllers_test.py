@@ -76,6 +76,12 @@ class ScanControllers(unittest.TestCase):
         self.assertEqual(scan.returncode, 4, scan.stdout + scan.stderr)
         self.assertEqual(scan.stderr.count("  tried: s7-tcp"), 9, scan.stderr)
 
+    def test_ports_that_a_scan_cannot_search_are_named(self):
+        for form in ("tls:", "rfc2217:"):
+            scan = run("scan", form + "127.0.0.1:802")
+            self.assertEqual(scan.returncode, 2, scan.stderr)
+            self.assertIn(f"'fieldcast read' accepts {form}HOST:PORT", scan.stderr)
+
 
 if __name__ == "__main__":
     FIELDCAST, SIM = sys.argv[1:]

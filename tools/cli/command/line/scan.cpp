@@ -34,6 +34,12 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   const bool serial = is_serial(options);
   const auto addresses = addresses_from(options.addresses);
   if (!addresses) return tl::unexpected(addresses.error());
+  for (const std::string_view other : {"tls:", "rfc2217:"}) {
+    if (options.port.starts_with(other))
+      return tl::unexpected(fmt::format(
+          "a scan searches a serial port or HOST:PORT; 'fieldcast read' accepts {}HOST:PORT",
+          other));
+  }
   LineOptions line{.port = options.port, .baud = options.baud, .format = options.format};
   const auto said = port_of(line, LineFormat{});
   if (!said) return tl::unexpected(said.error());
