@@ -272,7 +272,7 @@ class GatewayInFlight : public InFlightBus {
     begun_[last_id_] = clock();
     feed(CommandArrived{command});
   }
-  // Eight clients, each of which reads the clock every 20 ms.
+  // Each of eight clients reads the clock every 20 ms.
   void run_clients(Duration time) {
     for (const Instant until = now_ + time; now_ < until;) {
       for (unsigned client = 0; client < 8; ++client) {

@@ -261,8 +261,10 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
       continue;
     }
     if (const auto sent = scaled.find(i); sent != scaled.end()) {
-      if (field.text_size != 0) append_scaled_text(out, field, sent->second);
-      if (field.text_size != 0) continue;
+      if (field.text_size != 0) {
+        append_scaled_text(out, field, sent->second);
+        continue;
+      }
       word |= (sent->second & (UINT64_MAX >> (64 - field.bits))) << field.shift;
     } else if (field.kind == FieldKind::kValue) {
       append_value(out, field, context, word);

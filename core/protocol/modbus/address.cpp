@@ -13,8 +13,7 @@ constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
     "and BIT 0..15, file:F:R, id:N, fifo:N, or a reference 00001.., 10001.., 30001.., 40001.. "
-    "(counted "
-    "from 1)";
+    "(counted from 1)";
 constexpr std::string_view kRecordAllowed =
     "file:F:R, file:F:R.BIT with F 1..65535, R 0..9999 and BIT 0..15";
 constexpr std::string_view kObjectAllowed = "id:N with N 0..6 or 128..255";

@@ -16,7 +16,7 @@ using declared::Operation;
 
 // For missing items, if the declaration defines this code.
 constexpr std::uint8_t kAddressCode = 2;
-// The bridge requests a refused value again after 60 s: the two times have no common beat.
+// Each form is sent for so long, before the next one.
 constexpr Duration kFormTime = std::chrono::seconds{45};
 
 class DeclaredReceiver : public GapReceiver {

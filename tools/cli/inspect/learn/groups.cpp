@@ -147,7 +147,7 @@ class Finder {
       divide(2, [&](std::ptrdiff_t at) { return at > 0 && is_digit(at) && is_digit(at + 1); });
   }
 
-  // By the columns of which the groups cost the least, if that is less than the whole.
+  // Divides by the columns that give the cheapest groups. No effect if the whole is as cheap.
   template <typename MayBe>
   std::optional<std::ptrdiff_t> divide(std::ptrdiff_t width, const MayBe& may_be) {
     std::optional<std::ptrdiff_t> found;
