@@ -78,7 +78,8 @@ TEST(Absent, AValueIsGoodWhileItsFormIsSent) {
   const auto& channels = bus.channels();
   EXPECT_GE(channels[2].good, 1480u);
   for (const std::size_t sometimes : {0u, 1u}) EXPECT_GE(channels[sometimes].good, 300u);
-  EXPECT_NEAR(static_cast<double>(channels[0].good + channels[1].good), channels[2].good, 2);
+  EXPECT_NEAR(static_cast<double>(channels[0].good + channels[1].good),
+              static_cast<double>(channels[2].good), 2);
 }
 
 TEST(Absent, ARegisterOfAQueueIsReadAsSoonAsItIsQueued) {

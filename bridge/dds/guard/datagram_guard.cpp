@@ -136,7 +136,7 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
     Participant& known = found->second;
     if (now_ - known.seen > known.lease) {  // the library has removed it, and counts from 0 again
       known.order = ++joined_;
-      for (auto& [guid, order] : known.endpoints) order = ++joined_;
+      for (auto& endpoint : known.endpoints) endpoint.second = ++joined_;
     }
     known.seen = now_;
     known.lease = std::chrono::seconds{facts.lease_seconds};
