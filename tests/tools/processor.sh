@@ -2,21 +2,22 @@
 # Tests the programs of another processor under qemu-user, in a root of that processor: the packages install, the unit tests of core and
 # config pass, the demo's plant gives values, and 24 golden captures are explained as by the programs of this machine, byte for byte.
 #
-#   tests/tools/processor.sh ARCH [BIN_DIR]
+#   tests/tools/processor.sh ARCH [BIN_DIR [SUITE]]
 #
-# ARCH: arm64 or armhf, whose packages `tools/package.sh --arch ARCH` has made before. BIN_DIR: programs of this machine, default build/bin.
+# ARCH: arm64 or armhf, whose packages `tools/package.sh --arch ARCH --suite SUITE` has made before. BIN_DIR: programs of this machine, default
+# build/bin. SUITE: bookworm (default) or trixie.
 # Needs what tools/in_root.sh needs, and the network for packages of Debian. Ends with 77 if this machine lacks something.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-arch=${1:?tests/tools/processor.sh: name the architecture, arm64 or armhf} bin=${2:-build/bin} suite=bookworm
+arch=${1:?tests/tools/processor.sh: name the architecture, arm64 or armhf} bin=${2:-build/bin} suite=${3:-bookworm}
 [ "$(id -u)" -eq 0 ] || { echo "tests/tools/processor.sh: not root"; exit 77; }
 for program in mmdebstrap rsync qemu-aarch64-static; do
   command -v "$program" >/dev/null || { echo "tests/tools/processor.sh: $program is missing"; exit 77; }
 done
 
 packages=build/packages/$suite-$arch
-ls "$packages"/*.deb >/dev/null 2>&1 || { echo "tests/tools/processor.sh: no packages; run tools/package.sh --arch $arch"; exit 77; }
+ls "$packages"/*.deb >/dev/null 2>&1 || { echo "tests/tools/processor.sh: no packages; run tools/package.sh --arch $arch --suite $suite"; exit 77; }
 
 # None of these opens a port or uses DDS.
 tests=(core_test lzw_test protocol_test declared_test plan_test dispatch_test bus_test transcript_test config_test)
