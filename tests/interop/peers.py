@@ -106,7 +106,10 @@ TCGETS2 = 0x802C542A  # Linux: struct termios2, with the speed in baud
 class SerialCable(Cable):
     """A cable with the properties of a serial line: characters take their time, and arrive only
     with the same speed, parity and data bits; otherwise noise arrives. `asked` is what `left`
-    sent."""
+    sent.
+
+    A pseudo-terminal drops PARENB, but keeps INPCK, which Fieldcast and libmodbus set with a parity.
+    """
 
     def __enter__(self):
         self.asked = []
@@ -115,8 +118,8 @@ class SerialCable(Cable):
     @staticmethod
     def _settings(end):
         fields = struct.unpack("=4IB19s2I", fcntl.ioctl(end, TCGETS2, bytes(44)))
-        flags, baud = fields[2], fields[7]
-        return baud, flags & (termios.CSIZE | termios.PARENB | termios.PARODD)
+        checks, flags, baud = fields[0], fields[2], fields[7]
+        return baud, checks & termios.INPCK, flags & (termios.CSIZE | termios.PARODD)
 
     def _forward(self, data, master, other):
         if master == self.ends[0][0]:
