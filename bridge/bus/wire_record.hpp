@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -24,19 +25,22 @@ class WireRecord {
   [[nodiscard]] bool wanted() const { return trace_ || capturing(); }
 
   // `engine` supplies the polled device and the request.
-  void sent(ByteView bytes, const BusEngine& engine, UtcTime at) const;
-  void received(ByteView bytes, UtcTime at) const;
-  void frame_ended(UtcTime at) const;
+  void sent(ByteView bytes, const BusEngine& engine, UtcTime at);
+  void received(ByteView bytes, UtcTime at);
+  void frame_ended(UtcTime at);
   void traced(const Traced& traced, UtcTime at) const;
   // Explains the capture, for example a port that opens or a lease.
   void remark(const std::string& text, UtcTime at) const;
 
  private:
   [[nodiscard]] bool capturing() const { return tap_ && tap_->wanted(); }
+  [[nodiscard]] bool unseen_frame_continues(UtcTime at);
 
   const std::string bus_;
   bool trace_ = false;
   std::shared_ptr<CaptureTap> tap_;
+  // Arrival of the last bytes of a frame that began before the capture, which begins behind it.
+  std::optional<UtcTime> unseen_;
 };
 
 }  // namespace fieldcast
