@@ -46,6 +46,12 @@ TEST_F(DirectTest, ScanSaysWhichProtocolWasMeant) {
   EXPECT_THAT(ended.err, HasSubstr("protocol 'modbus-rtz' is unknown; did you mean modbus-rtu?"));
 }
 
+TEST_F(DirectTest, ScanOfAControllerHasNoAddresses) {
+  const auto ended = scan({.port = "127.0.0.1:102", .protocols = {"s7-tcp"}, .addresses = "1-4"});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("--addresses is for devices of a line; HOST:PORT of s7-tcp"));
+}
+
 // A line that echoes every byte and has no device.
 struct EchoTest : DirectTest {
   EchoTest() {

@@ -171,6 +171,11 @@ tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(std::string
   return std::vector<std::uint16_t>(addresses.begin(), addresses.end());
 }
 
+bool has_usual_links(const NamedProtocol& protocol) {
+  return std::ranges::find(kUsualLinks, protocol.name(), &UsualLink::protocol) !=
+         std::end(kUsualLinks);
+}
+
 std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
                                  const std::vector<LineFormat>& formats,
                                  const std::vector<std::uint16_t>& addresses) {

@@ -50,6 +50,9 @@ struct ScanLine {
 [[nodiscard]] tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(
     std::string_view text);
 
+// Whether a scan tries the usual links of the protocol's controllers in place of addresses.
+[[nodiscard]] bool has_usual_links(const NamedProtocol& protocol);
+
 // One line for each format, or for each usual link of a protocol of networks: its slot or TSAP, or
 // the form of its frames. Omits addresses that the protocol does not have; a protocol with one
 // device on its line is requested once.

@@ -51,6 +51,11 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
     if (serial && entry != nullptr && entry->network_only)
       return tl::unexpected(fmt::format("{} needs HOST:PORT; on a serial port it is {}",
                                         entry->name, entry->instead));
+    if (has_usual_links(protocol) && options.addresses != ScanOptions{}.addresses)
+      return tl::unexpected(
+          fmt::format("--addresses is for devices of a line; HOST:PORT of {} is one controller, "
+                      "whose usual links are tried",
+                      protocol.name()));
     const auto formats = serial ? usual_formats(protocol, options.baud, format)
                                 : std::vector<LineFormat>{protocol.factory_line()};
     for (ScanLine& more : scan_lines(protocol, formats, *addresses))
