@@ -255,6 +255,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     }
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
+    if (send.response_baud != 0) port_->receive_at(send.response_baud, send.bytes.size());
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }

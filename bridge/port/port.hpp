@@ -42,6 +42,10 @@ class Port {
   virtual void write(ByteView bytes) = 0;
   // The same, but received bytes are delivered: responses to earlier requests may be among them.
   virtual void write_more(ByteView bytes) = 0;
+  // Call after write(): behind its `characters` the line has this baud rate, until the next
+  // write(). REQUIRES: the loader allows the port such protocols.
+  virtual void receive_at([[maybe_unused]] std::uint32_t baud,
+                          [[maybe_unused]] std::size_t characters) {}
   // A hint: at least so many characters are missing; the port may sleep for their time.
   virtual void expect(std::uint32_t characters) = 0;
   // Delivers arrived bytes. Call before a timeout is handled, as the process may have been delayed.

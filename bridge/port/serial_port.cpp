@@ -19,6 +19,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "bridge/port/serial_line.hpp"
 
 namespace fieldcast {
@@ -55,10 +56,39 @@ Stream::End open_fault(const std::string& path) {
 class SerialStream final : public Stream {
  public:
   SerialStream(asio::io_context& io, const SerialPortSpec& spec, PortListener& listener)
-      : Stream(io, listener, Unsent::Kind::kTerminal), spec_(spec) {}
+      : Stream(io, listener, Unsent::Kind::kTerminal), spec_(spec), change_(io) {}
   ~SerialStream() override { close(); }
 
+  // A device takes some time before it responds at the other rate.
+  void receive_at(std::uint32_t baud, std::size_t characters) {
+    other_baud_ = baud;
+    change_after(characters);
+  }
+  [[nodiscard]] LineFormat response_line() const {
+    LineFormat line = spec_.line;
+    if (other_baud_ != 0) line.baud = other_baud_;
+    return line;
+  }
+
  private:
+  void change_after(std::size_t characters) {
+    change_.expires_after(spec_.line.characters(static_cast<double>(characters)));
+    change_.async_wait([self = std::static_pointer_cast<SerialStream>(shared_from_this()),
+                        turn = turn_](boost::system::error_code fault) {
+      if (!fault && turn == self->turn_ && self->usable()) self->change();
+    });
+  }
+  void change() {
+    if (const std::size_t unsent = queued_at(fd()); unsent > 0) return change_after(unsent);
+    if (const auto changed = change_line(fd(), response_line()); !changed)
+      fail_later({changed.error()});
+  }
+  void before_write(int fd) override {
+    ++turn_;  // a change that is due does nothing
+    if (std::exchange(other_baud_, 0) == 0) return;
+    if (const auto changed = change_line(fd, spec_.line); !changed) fail_later({changed.error()});
+  }
+
   std::optional<End> restore(int fd) override {
     using telnet::Control;
     (void)set_control(fd, Control::kBreakOff);
@@ -75,6 +105,9 @@ class SerialStream final : public Stream {
   void before_close(int fd) override { drop_unsent(fd); }
 
   SerialPortSpec spec_;
+  asio::steady_timer change_;
+  std::uint32_t other_baud_ = 0;  // of the response to the last request; 0: that of the line
+  unsigned turn_ = 0;             // counts requests
 };
 
 class SerialOpening final : public PortOpening {
@@ -119,10 +152,15 @@ class SerialOpening final : public PortOpening {
 
 }  // namespace
 
+void SerialPort::receive_at(std::uint32_t baud, std::size_t characters) {
+  if (stream() != nullptr) static_cast<SerialStream*>(stream())->receive_at(baud, characters);
+}
+
 void SerialPort::expect(std::uint32_t characters) {
   if (characters < 2 || stream() == nullptr) return;
-  const Duration early = std::max(kEarlyWake, spec_.line.characters(1));
-  const Duration sleep = spec_.line.characters(characters - 1) - early;
+  const LineFormat line = static_cast<SerialStream*>(stream())->response_line();
+  const Duration early = std::max(kEarlyWake, line.characters(1));
+  const Duration sleep = line.characters(characters - 1) - early;
   if (sleep >= kWorthSleeping) stream()->sleep_for(sleep);
 }
 

@@ -14,6 +14,7 @@ class SerialPort final : public StreamPort {
   SerialPort(boost::asio::io_context& io, SerialPortSpec spec) : io_(io), spec_(std::move(spec)) {}
   ~SerialPort() override { close(); }
 
+  void receive_at(std::uint32_t baud, std::size_t characters) override;
   void expect(std::uint32_t characters) override;
 
  private:

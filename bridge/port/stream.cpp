@@ -29,6 +29,7 @@ void Stream::start() {
 
 void Stream::write(ByteView bytes) {
   if (!usable()) return;
+  before_write(fd());
   drop_stale();
   push(bytes);
 }
@@ -61,6 +62,7 @@ FileDescriptor Stream::release() {
 
 FileDescriptor Stream::lease() {
   if (over_ || !descriptor_.valid() || tls_) return {};
+  before_write(fd());
   leased_ = true;
   return FileDescriptor(::fcntl(fd(), F_DUPFD_CLOEXEC, 0));
 }

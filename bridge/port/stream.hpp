@@ -60,6 +60,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   // Returns the reason for a read without bytes. `error` is errno, or 0 at the end of the stream.
   [[nodiscard]] virtual End end_of(int error) const = 0;
   virtual void before_close(int fd) = 0;
+  // Before a write that is a request, and before a lease.
+  virtual void before_write(int) {}
   // Before bytes are read outside of a wait: moves those that have arrived to the descriptor. Must
   // not call the listener.
   virtual void fetch() {}
@@ -68,9 +70,11 @@ class Stream : public std::enable_shared_from_this<Stream> {
   // Each read is a datagram, which may be empty.
   [[nodiscard]] virtual bool datagrams() const { return false; }
 
- private:
   [[nodiscard]] int fd() const { return descriptor_.get(); }
   [[nodiscard]] bool usable() const { return !over_ && !leased_ && descriptor_.valid(); }
+  void fail_later(End end);
+
+ private:
   void push(ByteView bytes);
   void push_raw(ByteView bytes);
   [[nodiscard]] bool decrypt(ByteView bytes, Bytes& plain);
@@ -80,7 +84,6 @@ class Stream : public std::enable_shared_from_this<Stream> {
   void sleep();
   void drop_stale();
   void wait_for_space();
-  void fail_later(End end);
 
   PortListener& listener_;
   FileDescriptor descriptor_;

@@ -294,6 +294,7 @@ void check_operation(const Declaration& declaration, const DraftOperation& draft
                      FaultList& faults) {
   if (!draft.good) return;
   OperationCheck(declaration, draft, faults).run();
+  check_rates(draft, faults);
   check_forms(draft, declaration.areas[draft.operation.area], faults);
   for (const DraftFrame& other : draft.others) {
     DraftOperation form = draft;

@@ -15,6 +15,9 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Notation;
 
+constexpr std::size_t kMaxRates = 32;
+constexpr std::int64_t kMinBaud = 50, kMaxBaud = 4'000'000;
+
 constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
     {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},
     {"first", FieldKind::kFirst},       {"count", FieldKind::kCount},
@@ -23,7 +26,7 @@ constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
     {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
     {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused},
     {"exponent", FieldKind::kExponent}, {"decimals", FieldKind::kDecimals},
-    {"sign", FieldKind::kSign}};
+    {"sign", FieldKind::kSign},         {"rate", FieldKind::kRate}};
 constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex},
                                                                 {"decimal", Notation::kDecimal},
@@ -62,7 +65,8 @@ const Meaning kMeanings[] = {
     {"variable", {FieldKind::kValue, FieldKind::kUnused}},
     {"optional", {FieldKind::kConstant}},
     {"signed", {FieldKind::kValue, FieldKind::kItems, FieldKind::kExponent, FieldKind::kDecimals}},
-    {"fill", {FieldKind::kUnused}},
+    {"fill", {FieldKind::kUnused, FieldKind::kRate}},
+    {"rates", {FieldKind::kRate}},
     {"key", {FieldKind::kValue, FieldKind::kUnused}},
     {"after", {FieldKind::kValue}},
     {"until", {FieldKind::kValue}},
@@ -100,6 +104,7 @@ class FieldReader {
     read_width();
     read_numbers();
     read_checksum();
+    read_rates();
     read_key();
     read_optional();
     refuse_meaningless();
@@ -202,6 +207,28 @@ class FieldReader {
     if (!is_text && field.key.size() == 1)
       faults_.add(key->position, "the key of an M-Bus record has one byte",
                   "[DIF, VIF], or blocks: tag-value at the top of the file");
+  }
+
+  // rates: { 0x30: 300, 0x35: 9600 }.
+  void read_rates() {
+    const Node* node = map_.find("rates");
+    if (node == nullptr) return;
+    Field& field = draft_.field;
+    if (node->kind != Kind::kMap || node->entries.empty() || node->entries.size() > kMaxRates) {
+      faults_.add(node->position, "rates is no list of baud rates",
+                  fmt::format("1 to {} lines CODE: BAUD", kMaxRates));
+      return;
+    }
+    for (const auto& [key, value] : node->entries) {
+      const auto code = WholeRule{0, UINT32_MAX}(*key, "code", faults_);
+      const auto baud = WholeRule{kMinBaud, kMaxBaud}(*value, "baud", faults_);
+      if (!code || !baud) continue;
+      too_wide(static_cast<std::uint64_t>(*code), key->position, "code");
+      field.rates[static_cast<std::uint64_t>(*code)] = static_cast<std::uint32_t>(*baud);
+    }
+    if (!field.rates.empty() && !field.rates.contains(field.number))
+      map_.fault(map_.has("fill") ? "fill" : "rates", "no usual code of a baud rate",
+                 "fill: one of the codes in 'rates'");
   }
 
   // A constant that a response may omit.

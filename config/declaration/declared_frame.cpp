@@ -29,7 +29,7 @@ constexpr std::string_view kField[] = {
     "name", "constant", "is",       "bytes", "bits",   "digits",     "as",  "order",
     "plus", "times",    "of",       "kind",  "over",   "on",         "off", "ok",
     "text", "variable", "signed",   "fill",  "counts", "complement", "add", "xor",
-    "key",  "until",    "optional", "start", "after"};
+    "key",  "until",    "optional", "start", "after",  "rates"};
 constexpr std::string_view kGroup[] = {"repeat", "fields"};
 
 }  // namespace

@@ -84,6 +84,11 @@ void check_forms(const DraftOperation& draft, const declared::DeclaredArea& area
 // `round`: a round before a request, with its frames.
 void check_round(const declared::Declaration& declaration, const DraftOperation& round,
                  FaultList& faults);
+// A response has another baud rate if a round before its request names it and the request repeats
+// it. `what`: "a refusal", ..
+void check_no_rate(const DraftFrame& frame, std::string_view what, FaultList& faults);
+void check_named_rates(const DraftFrame& answer, FaultList& faults);
+void check_rates(const DraftOperation& draft, FaultList& faults);
 void check_refusal(const declared::Declaration& declaration,
                    const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
                    FaultList& faults);

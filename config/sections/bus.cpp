@@ -121,16 +121,19 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_devices(map, context, spec, state);
   read_gateway(map, spec);
   check_in_flight(spec, map, state.faults);
-  if (const auto fault = datagram_fault(spec))
+  if (const auto fault = port_fault(spec))
     state.faults.add(map.position_of("port"), fault->what, fault->allowed);
   return spec;
 }
 
-std::optional<DatagramFault> datagram_fault(const BusSpec& spec) {
+std::optional<PortFault> port_fault(const BusSpec& spec) {
   for (const DeviceSpec& device : spec.devices) {
     const ProtocolEntry* entry = find_protocol(device.protocol);
     const std::string option(entry == nullptr ? "" : entry->datagram_option);
     const bool has_option = !option.empty() && device.link.options.contains(option);
+    if (device.declaration && device.declaration.value->changes_rate() &&
+        !std::holds_alternative<SerialPortSpec>(spec.port))
+      return {{device.protocol + " changes the baud rate of its line", "port: { serial: PATH }"}};
     const std::string over_udp = device.protocol + " over UDP";
     if (!has_datagrams(spec.port)) {
       if (has_option) return {{option + " is for UDP", "port: { udp: HOST:PORT }"}};

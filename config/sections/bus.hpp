@@ -13,12 +13,12 @@ namespace fieldcast::config {
 // Adds faults; with faults the result is incomplete.
 [[nodiscard]] BusSpec read_bus(const Node& node, LoadState& state);
 
-struct DatagramFault {
+struct PortFault {
   std::string what, allowed;
 };
 // Why a port of `udp` cannot carry these devices: the network doubles, delays and reorders
 // datagrams, so each response must name its request; or why another port cannot.
-[[nodiscard]] std::optional<DatagramFault> datagram_fault(const BusSpec& spec);
+[[nodiscard]] std::optional<PortFault> port_fault(const BusSpec& spec);
 
 // The silence between a response and the next request: "standard", "3.5c" or a duration.
 struct SilenceReader {

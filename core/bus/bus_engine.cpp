@@ -281,7 +281,7 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
     if (!parts_.fence.keeps(now)) return give_up(Cause::kForeignMaster, now, sink);
     parts_.late.start_anew();
     (void)parts_.fence.sending(out, parts_.wire().driver().sent_until());
-    return sink.push(Send{std::move(out)});
+    return sink.push(Send{std::move(out), false, parts_.wire().driver().response_baud()});
   }
   if (!out.empty()) {
     (void)parts_.fence.sending(out, parts_.wire().driver().confirmed_until());
@@ -356,7 +356,8 @@ bool BusEngine::send_next(Instant now, ActionSink& sink) {
                      Cause::kNone,
                      "the wire was silent: this bridge sends again"});
   }
-  sink.push(Send{std::move(*request), parts_.exchanging() > 1});
+  sink.push(
+      Send{std::move(*request), parts_.exchanging() > 1, parts_.wire().driver().response_baud()});
   return true;
 }
 

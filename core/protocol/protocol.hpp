@@ -121,11 +121,20 @@ struct ExchangeSize {
   std::uint32_t rounds = 1;  // number of device response times and line silences
   // Pauses required by the protocol (PPI between acknowledge and poll).
   Duration pauses{};
+  // Wire time of a response at another baud rate, whose characters are not counted above.
+  Duration response_at_other_rate{};
 
   static ExchangeSize of(std::size_t request, std::size_t response, std::uint32_t rounds = 1,
                          Duration pauses = {}) {
     return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(response), rounds,
             pauses};
+  }
+  [[nodiscard]] Duration response_wire_time(const LineFormat& line) const {
+    return line.characters(response_characters) + response_at_other_rate;
+  }
+  // Excludes the pauses.
+  [[nodiscard]] Duration wire_time(const LineFormat& line) const {
+    return line.characters(request_characters + response_characters) + response_at_other_rate;
   }
 };
 
@@ -150,8 +159,9 @@ struct Step {
   // kSend: length of the whole expected response; kRestOfFrame: minimum of missing characters.
   std::uint32_t characters = 0;
   Duration pause{};
-  Cause cause = Cause::kNone;     // for kFailed
-  std::uint16_t device_code = 0;  // for kFailed with kDeviceError or kDeviceBusy
+  Cause cause = Cause::kNone;       // for kFailed
+  std::uint16_t device_code = 0;    // for kFailed with kDeviceError or kDeviceBusy
+  std::uint32_t response_baud = 0;  // for kSend: rate of the response; 0: that of the line
 
   static Step send(std::size_t response_characters) {
     return {Kind::kSend, Wait::kResponse, static_cast<std::uint32_t>(response_characters)};

@@ -43,12 +43,12 @@ bool only_network_protocols(const BusSpec& bus) {
 
 Duration BusSetup::wire_time(DeviceIndex device, const Request& request) const {
   const auto size = protocol(device).size(request);
-  return line_.characters(size ? size->request_characters + size->response_characters : 0);
+  return size ? size->wire_time(line_) : Duration{};
 }
 
 Duration BusSetup::response_wire_time(DeviceIndex device, const Request& request) const {
   const auto size = protocol(device).size(request);
-  return line_.characters(size ? size->response_characters : 0);
+  return size ? size->response_wire_time(line_) : Duration{};
 }
 
 bool BusSetup::response_differs(DeviceIndex device, const Request& request) const {

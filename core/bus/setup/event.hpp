@@ -68,6 +68,8 @@ struct Send {
   Bytes bytes;
   // Other requests wait for their responses, so received bytes must not be dropped.
   bool others_wait = false;
+  // The port receives at this rate behind these bytes, until the next ones; 0: that of the line.
+  std::uint32_t response_baud = 0;
 };
 // Replaces the previous timer; kNever disables it.
 struct SetTimer {

@@ -24,11 +24,14 @@ void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   echo_stripped_ = echo_ == Echo::kAbsent;
   missing_ = 0;
   expected_ = step.characters;
+  response_line_ = line_;
+  response_baud_ = step.response_baud;
+  if (response_baud_ != 0) response_line_.baud = response_baud_;
   bytes_sent_ += out.size();
   sent_until_ = now + line_.characters(static_cast<double>(out.size()));
   response_deadline_ = sent_until_ + timeout_;
   hard_deadline_ =
-      response_deadline_ + line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
+      response_deadline_ + response_line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
   deadline_ = response_deadline_;
   last_byte_ = now;
 }
@@ -96,8 +99,8 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
       switch (step.wait) {
         case Wait::kResponse: deadline_ = response_deadline_; break;
         case Wait::kRestOfFrame:
-          deadline_ =
-              std::min(now + line_.characters(step.characters) + gap_allowance_, hard_deadline_);
+          deadline_ = std::min(now + response_line_.characters(step.characters) + gap_allowance_,
+                               hard_deadline_);
           break;
         // The pause starts after the end of the request, even if bytes arrived during it.
         case Wait::kPause: deadline_ = std::max(now, sent_until_) + step.pause; break;
@@ -132,13 +135,14 @@ void ExchangeDriver::wait_on(std::unique_ptr<Exchange> again) {
 }
 
 Duration ExchangeDriver::response_time() const {
-  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(received_.size()));
+  return last_byte_ - sent_until_ -
+         response_line_.characters(static_cast<double>(received_.size()));
 }
 
 Duration ExchangeDriver::response_began() const {
   const std::size_t response =
       expected_ > 0 ? std::min<std::size_t>(received_.size(), expected_) : received_.size();
-  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(response));
+  return last_byte_ - sent_until_ - response_line_.characters(static_cast<double>(response));
 }
 
 }  // namespace fieldcast

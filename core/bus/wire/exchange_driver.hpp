@@ -54,6 +54,8 @@ class ExchangeDriver {
   [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
   [[nodiscard]] unsigned requests() const { return requests_; }
+  // Rate of the response to the last request; 0: that of the line.
+  [[nodiscard]] std::uint32_t response_baud() const { return response_baud_; }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
   // The same for the confirmation behind the response.
@@ -90,6 +92,8 @@ class ExchangeDriver {
   [[nodiscard]] bool strip_echo();  // returns false if the echo is incomplete
 
   LineFormat line_;
+  LineFormat response_line_{};
+  std::uint32_t response_baud_ = 0;
   Duration gap_allowance_;
   Echo echo_;
   bool echo_is_distinct_ = true;

@@ -14,9 +14,8 @@ Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
 
 Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
                    const DeviceTiming& device) {
-  return line.characters(size.request_characters + size.response_characters) +
-         size.rounds * (device.response_time / device.in_flight + silence) + size.pauses +
-         device.pause;
+  return size.wire_time(line) + size.rounds * (device.response_time / device.in_flight + silence) +
+         size.pauses + device.pause;
 }
 
 ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line,
@@ -45,8 +44,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
     if (!size) continue;
     rounds_ = size->rounds;
     pauses_ = size->rounds * silence + device.pause;
-    variable_[count] =
-        line.characters(size->request_characters + size->response_characters) + size->pauses;
+    variable_[count] = size->wire_time(line) + size->pauses;
   }
   set_response_time(device.response_time);
 }
@@ -98,8 +96,7 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
 std::optional<Duration> ListCost::ask(const Request& request) const {
   const auto size = protocol_->size(request);
   if (!size) return std::nullopt;
-  return line_.characters(size->request_characters + size->response_characters) +
-         size->rounds * silence_ + size->pauses + pause_;
+  return size->wire_time(line_) + size->rounds * silence_ + size->pauses + pause_;
 }
 
 // A single range may use another command with a shorter request (FINS).

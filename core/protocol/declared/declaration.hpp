@@ -41,6 +41,7 @@ enum class FieldKind : std::uint8_t {
   kExponent,  // power of ten of the values `of`, plus `plus`
   kDecimals,  // number of decimals of the values `of`, plus `plus`
   kSign,      // `on` if the values or the exponent `of` are negative, else sent as `off`
+  kRate,      // code of the baud rate of the response, which the device has named in `rates`
   kUnused,    // sent as `number`; ignored on reception
 };
 
@@ -82,6 +83,8 @@ struct Field {
   std::uint64_t on = 1, off = 0;  // values of a bit that has its own word
   bool packed = false;            // eight bit items per byte, the first lowest
   std::uint16_t place = 0;        // of a value: its first item in the record
+  // Of a rate in the response before the request: baud by code; `number` is the usual code.
+  std::map<std::uint64_t, std::uint32_t> rates;
   // Of a value: the fields that scale and sign it. An exponent may have a sign, too.
   std::optional<std::uint8_t> exponent, sign;
   [[nodiscard]] constexpr bool scaled() const {
@@ -159,6 +162,9 @@ struct Operation {
   Duration unsolicited{};
   // Whether the response of a write can have the bytes of its request.
   [[nodiscard]] bool echoes() const;
+  // Baud of the response if its request repeats this code; empty: the usual one. 0: that of the
+  // line, or no such code.
+  [[nodiscard]] std::uint32_t response_baud(std::optional<std::uint64_t> code = {}) const;
   // The form `n` of the response; they repeat.
   [[nodiscard]] const Frame& form(std::size_t n) const {
     const std::size_t index = n % (others.size() + 1);
@@ -183,6 +189,8 @@ struct Declaration {
   std::vector<Frame> refusals;        // empty: the device refuses nothing, or stays silent
   std::map<std::uint16_t, std::string> codes;
   std::vector<std::uint16_t> busy;  // codes that mean busy
+  // Whether a response comes at another baud rate than its request.
+  [[nodiscard]] bool changes_rate() const;
   friend bool operator==(const Declaration&, const Declaration&) = default;
 };
 

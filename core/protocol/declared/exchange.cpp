@@ -230,6 +230,7 @@ Step DeclaredExchange::on_round(ByteView all, Bytes& out) {
   search.run(true);
   silence_ = search.cause();
   if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_response();
+  if (search.found->rate) context_.rate = search.found->rate;
   if (++round_ == logins_) set_logged_in(true);
   out.clear();
   return round_ < rounds_.size() ? send_round(out) : start(out);
@@ -241,8 +242,11 @@ Step DeclaredExchange::start(Bytes& out) {
   silence_ = Cause::kNoResponse;
   fallback_.reset();
   // A block may have more than its known values; the wait must last for all of it.
-  if (has_block(operation_.response)) return Step::send(kMaxFrame);
-  return Step::send(response_size(operation_, context_.item_bits, context_.count));
+  Step step = Step::send(has_block(operation_.response)
+                             ? kMaxFrame
+                             : response_size(operation_, context_.item_bits, context_.count));
+  step.response_baud = operation_.response_baud(context_.rate);
+  return step;
 }
 
 // The wanted places that the response does not have, because it is another form of it, or its block

@@ -31,7 +31,7 @@ class DeclaredExchange final : public Exchange {
 
   const std::shared_ptr<const Declaration> declaration_;
   const Operation& operation_;
-  const FrameContext context_;
+  FrameContext context_;
   const Range wanted_;
   Bytes* const session_;
   std::string session_key_;

@@ -111,6 +111,7 @@ std::optional<std::uint64_t> number_of(const Field& field, const FrameContext& c
     case FieldKind::kLast:
       return narrow((std::uint64_t{context.first} + context.count - 1) * field.times + plus);
     case FieldKind::kSequence: return narrow(context.sequence);
+    case FieldKind::kRate: return context.rate;
     default: return std::nullopt;
   }
 }

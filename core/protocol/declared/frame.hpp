@@ -14,6 +14,7 @@ struct FrameContext {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   std::uint16_t sequence = 0;
+  std::optional<std::uint64_t> rate{};  // code of the baud rate that the device has named
   unsigned item_bits = 16;
   // `items` are known: they are sent, and an echoing response must contain them.
   bool written = false;
@@ -46,8 +47,9 @@ struct MatchResult {
   bool bad_check = false;
   bool checked = false;  // the frame has a checksum
   std::uint16_t error = 0;
-  std::vector<Range> absent;  // items of the record whose values the block does not contain
-  Bytes items;                // of kItems, or the record with all its values
+  std::optional<std::uint64_t> rate;  // of a rate field
+  std::vector<Range> absent;          // items of the record whose values the block does not contain
+  Bytes items;                        // of kItems, or the record with all its values
 };
 // `record_items`: size of the record that the values fill; 0 if none.
 [[nodiscard]] MatchResult match_frame(const Frame& frame, ByteView bytes,

@@ -120,6 +120,10 @@ class Matcher {
       case FieldKind::kValue:
         if (!field.scaled()) value(field, number);
         break;
+      case FieldKind::kRate:
+        result_.rate = number;
+        result_.mismatch |= !field.rates.empty() && !field.rates.contains(number);
+        break;
       default: break;
     }
     if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;

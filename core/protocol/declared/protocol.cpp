@@ -21,6 +21,22 @@ std::size_t response_size(const Operation& operation, unsigned item_bits, std::u
   return size;
 }
 
+std::uint32_t Operation::response_baud(std::optional<std::uint64_t> code) const {
+  if (!has(request, FieldKind::kRate)) return 0;
+  for (const Operation& round : before) {
+    for (const Field& field : round.response.fields) {
+      const auto baud = field.rates.find(code.value_or(field.number));
+      if (baud != field.rates.end()) return baud->second;
+    }
+  }
+  return 0;
+}
+
+bool Declaration::changes_rate() const {
+  return std::ranges::any_of(operations,
+                             [](const Operation& each) { return each.response_baud() != 0; });
+}
+
 bool in_each_form(const Operation& operation, FieldKind kind) {
   return has(operation.response, kind) &&
          std::ranges::all_of(operation.others,
@@ -44,8 +60,8 @@ ResponseIdentity identity_of(const Declaration& declaration) {
 class DeclaredProtocol final : public Protocol {
  public:
   DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint64_t address,
-                   const Traits& traits)
-      : declaration_(std::move(declaration)), address_(address), traits_(traits) {
+                   const LineFormat& line, const Traits& traits)
+      : declaration_(std::move(declaration)), address_(address), line_(line), traits_(traits) {
     for (const auto& [code, text] : declaration_->codes) codes_.push_back({code, text});
     traits_.codes = codes_;
     for (const DeclaredArea& each : declaration_->areas) {
@@ -106,10 +122,17 @@ class DeclaredProtocol final : public Protocol {
                                                 frame.fields[field], sizes.item_bits, count));
     };
     const Operation& operation = declaration_->operations[*at];
-    return ExchangeSize{
+    ExchangeSize size{
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
         .response_characters = sizes.response + items(sizes.response_items, operation.response),
         .rounds = 1 + static_cast<std::uint32_t>(operation.before.size())};
+    LineFormat line = line_;
+    line.baud = operation.response_baud();
+    if (line.baud == 0) return size;
+    const auto last = static_cast<std::uint32_t>(response_size(operation, sizes.item_bits, count));
+    size.response_characters -= last;
+    size.response_at_other_rate = line.characters(last);
+    return size;
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext exchange) const override {
@@ -142,7 +165,9 @@ class DeclaredProtocol final : public Protocol {
     const bool bound = in_each_form(a, FieldKind::kChecksum) || in_each_form(a, FieldKind::kLength);
     if (*first != *second || !bound) return true;
     const auto x = size(earlier), y = size(later);
-    return !x || !y || x->response_characters == y->response_characters;
+    return !x || !y ||
+           (x->response_characters == y->response_characters &&
+            x->response_at_other_rate == y->response_at_other_rate);
   }
 
   UnsolicitedFrame find_unsolicited(ByteView bytes, bool boundary) const override {
@@ -245,6 +270,7 @@ class DeclaredProtocol final : public Protocol {
 
   const std::shared_ptr<const Declaration> declaration_;
   const std::uint64_t address_;
+  const LineFormat line_;
   std::vector<DeviceCode> codes_;  // their texts belong to the declaration
   Traits traits_;
   std::vector<Area> areas_;
@@ -300,7 +326,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(
   const OptionReader reader({.address = traits.lowest_address, .options = link.options}, traits,
                             {});
   if (reader.fault()) return tl::unexpected(*reader.fault());
-  return std::make_unique<DeclaredProtocol>(std::move(declaration), address->number, traits);
+  return std::make_unique<DeclaredProtocol>(std::move(declaration), address->number, link.line,
+                                            traits);
 }
 
 }  // namespace fieldcast::declared

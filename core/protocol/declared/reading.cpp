@@ -305,6 +305,12 @@ class Reader {
           fault = "no address of this protocol";
         break;
       }
+      case FieldKind::kRate:
+        if (const auto baud = field.rates.find(number); baud != field.rates.end())
+          value += " = " + std::to_string(baud->second) + " baud";
+        else if (!field.rates.empty())
+          fault = "no baud rate has this code";
+        break;
       case FieldKind::kChecksum:
         if (starts_[field.of.to + 1u] > bytes_.size()) {
           fault = "its fields are not whole";

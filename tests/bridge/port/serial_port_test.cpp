@@ -50,6 +50,31 @@ TEST_F(SerialPortTest, CarriesEveryByteBothWays) {
   EXPECT_EQ(probe.received, all);
 }
 
+// The master of a pseudo-terminal sees the rate of its slave.
+TEST_F(SerialPortTest, AResponseIsReceivedAtItsOwnRateUntilTheNextRequest) {
+  SerialPortSpec slow = spec();
+  slow.line.baud = 300;
+  SerialPort port(io, slow);
+  open(port);
+  const auto baud = [&] { return rate_of(pty.master())->baud; };
+  const Instant began = steady_now();
+  port.write(Bytes{1, 2, 3});
+  port.receive_at(9600, 3);
+  EXPECT_EQ(baud(), 300u);
+  ASSERT_TRUE(run_until(io, [&] { return baud() == 9600; }));
+  EXPECT_GE(steady_now() - began, slow.line.characters(3));
+  port.write(Bytes{4});
+  EXPECT_EQ(baud(), 300u);
+  // A change that is due is dropped by the next request, and by a lease.
+  port.receive_at(9600, 1);
+  port.write(Bytes{5});
+  port.receive_at(4800, 1);
+  ASSERT_TRUE(run_until(io, [&] { return baud() != 300; }));
+  EXPECT_EQ(baud(), 4800u);
+  const FileDescriptor leased = port.lease();
+  EXPECT_EQ(baud(), 300u);
+}
+
 TEST(SerialLine, AFormatIsItsFlagsOfTermios) {
   EXPECT_EQ(format_flags({9600, 8, Parity::kNone, 1}), static_cast<unsigned>(CS8));
   EXPECT_EQ(format_flags({9600, 7, Parity::kEven, 2}),

@@ -41,10 +41,10 @@ TEST_P(Declared, PassesTheWholeMatrix) {
 }
 INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
                          testing::Values("instrument", "modbus-rtu-declared", "dlt645-2007",
-                                         "adam-4000", "mt-sics", "iec62056-21", "m-bus",
-                                         "m-bus-secondary", "panasonic-mewtocol", "fatek-facon",
-                                         "delta-dvp-ascii", "delta-dvp-rtu", "keyence-kv", "jk-bms",
-                                         "kamstrup-kmp"),
+                                         "adam-4000", "mt-sics", "iec62056-21",
+                                         "iec62056-21-optical", "m-bus", "m-bus-secondary",
+                                         "panasonic-mewtocol", "fatek-facon", "delta-dvp-ascii",
+                                         "delta-dvp-rtu", "keyence-kv", "jk-bms", "kamstrup-kmp"),
                          [](const auto& chosen) {
                            std::string name = chosen.param;
                            std::ranges::replace(name, '-', '_');

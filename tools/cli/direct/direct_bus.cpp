@@ -303,7 +303,7 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
     return tl::unexpected(fmt::format("--address {}: devices of {} have {} to {}", options.address,
                                       protocol.name(), traits.lowest_address,
                                       traits.highest_address));
-  if (auto fault = config::datagram_fault(bus))
+  if (auto fault = config::port_fault(bus))
     return tl::unexpected(fault->what + "; " + fault->allowed);
   return bus;
 }

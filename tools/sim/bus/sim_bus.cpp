@@ -105,10 +105,10 @@ BusLine::BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed)
   spoke_until_.assign(receivers_.size(), kLongAgo);
 }
 
-void BusLine::receive(ByteView bytes, Instant now) {
+void BusLine::receive(ByteView bytes, Instant now, std::optional<std::uint32_t> response_baud) {
   bus_.statistics_.bytes_received += bytes.size();
   const std::uint64_t lost = wire_.lost(), collisions = wire_.collisions();
-  wire_.from_master(bytes, now);
+  wire_.from_master(bytes, now, response_baud);
   bus_.statistics_.lost += wire_.lost() - lost;
   bus_.statistics_.collisions += wire_.collisions() - collisions;
   if (const auto rest = wire_.shortest_rest()) {
@@ -275,10 +275,12 @@ void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
   const Duration delay = response.delay + reaction.pause;
   const bool queues = member.dice.faults().queues;
   wire_.from_device(sender, response.characters,
-                    queues ? std::max(at, free) + delay : std::max(at + delay, free));
+                    queues ? std::max(at, free) + delay : std::max(at + delay, free),
+                    reaction.baud);
   if (response.doubled && !response.characters.empty()) {
     wire_.from_device(sender, response.characters,
-                      wire_.sends_until(sender) + member.dice.faults().doubled_after);
+                      wire_.sends_until(sender) + member.dice.faults().doubled_after,
+                      reaction.baud);
   }
   if (!response.characters.empty()) spoke_until_[device] = wire_.sends_until(sender);
   bus_.statistics_.collisions += wire_.collisions() - collisions;

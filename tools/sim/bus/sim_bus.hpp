@@ -71,7 +71,8 @@ class SimBus {
 class BusLine {
  public:
   BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
-  void receive(ByteView bytes, Instant now);
+  // See Wire::from_master().
+  void receive(ByteView bytes, Instant now, std::optional<std::uint32_t> response_baud = {});
   [[nodiscard]] Instant next_due() const;
   // Simulates until `now`; appends the bytes for the master.
   void advance(Instant now, Bytes& to_master);

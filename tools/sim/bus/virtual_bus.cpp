@@ -83,9 +83,9 @@ void VirtualBus::replace_engine(const BusSpec& spec, Duration absence, const Ope
   feed(opened);
 }
 
-void VirtualBus::send(ByteView bytes) {
+void VirtualBus::send(ByteView bytes, std::uint32_t response_baud) {
   wire_free_ = now_ + character_ * static_cast<std::int64_t>(bytes.size());
-  if (line_) line_->receive(bytes, now_);
+  if (line_) line_->receive(bytes, now_, response_baud);
   stamp(static_cast<std::uint64_t>(now_.time_since_epoch().count()));
   for (const std::uint8_t byte : bytes) stamp(byte);
 }
@@ -100,7 +100,7 @@ void VirtualBus::act(const Action& action) {
     reopen_at_ = now_ + kReopenAfter;
   }
   if (watcher_) watcher_(action);
-  if (const auto* sent = std::get_if<Send>(&action)) send(sent->bytes);
+  if (const auto* sent = std::get_if<Send>(&action)) send(sent->bytes, sent->response_baud);
 }
 
 }  // namespace fieldcast::sim

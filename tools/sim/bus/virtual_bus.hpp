@@ -44,7 +44,7 @@ class VirtualBus {
 
  private:
   void act(const Action& action);
-  void send(ByteView bytes);
+  void send(ByteView bytes, std::uint32_t response_baud);
   void stamp(std::uint64_t what) { fingerprint_ = (fingerprint_ ^ what) * 1099511628211u; }
 
   BusSpec spec_;

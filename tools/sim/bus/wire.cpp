@@ -34,7 +34,9 @@ void Wire::collide(Transmission& a, Transmission& b) {
   collisions_ += any ? 1 : 0;
 }
 
-void Wire::from_master(ByteView characters, Instant now) {
+void Wire::from_master(ByteView characters, Instant now,
+                       std::optional<std::uint32_t> response_baud) {
+  response_baud_ = response_baud;
   const std::size_t room = kMaxQueued - queued_.size();
   lost_ += characters.size() - std::min(room, characters.size());
   characters = characters.first(std::min(room, characters.size()));
@@ -61,10 +63,14 @@ void Wire::from_master(ByteView characters, Instant now) {
                                           start});
 }
 
-void Wire::from_device(Sender sender, ByteView characters, Instant start) {
+void Wire::from_device(Sender sender, ByteView characters, Instant start, std::uint32_t baud) {
   if (characters.empty()) return;
   Transmission transmission{
-      sender, {characters.begin(), characters.end()}, std::vector<bool>(characters.size()), start};
+      sender,
+      {characters.begin(), characters.end()},
+      std::vector<bool>(characters.size(), response_baud_.value_or(baud) != baud),
+      start,
+      baud};
   if (options_.half_duplex && options_.paced) {
     for (Queued& queued : queued_) collide(queued, transmission);
     for (Transmission& other : transmissions_) {
@@ -116,7 +122,10 @@ Passed Wire::pass_queued() {
 Passed Wire::pass_transmission(std::size_t index) {
   Transmission& transmission = transmissions_[index];
   const Instant until = piece_end(transmission);
-  Passed passed{transmission.sender, {}, end_of(transmission, transmission.passed + 1), character_};
+  Passed passed{transmission.sender,
+                {},
+                end_of(transmission, transmission.passed + 1),
+                character_of(transmission)};
   for (; transmission.passed < transmission.characters.size() &&
          end_of(transmission, transmission.passed + 1) <= until;
        ++transmission.passed) {

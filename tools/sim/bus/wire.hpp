@@ -67,8 +67,11 @@ class Wire {
 
   explicit Wire(const WireOptions& options);
 
-  void from_master(ByteView characters, Instant now);
-  void from_device(Sender sender, ByteView characters, Instant start);
+  // `response_baud`: the rate at which the master then receives, if known; 0: that of the line.
+  // Characters of another rate are garbled.
+  void from_master(ByteView characters, Instant now,
+                   std::optional<std::uint32_t> response_baud = {});
+  void from_device(Sender sender, ByteView characters, Instant start, std::uint32_t baud = 0);
 
   [[nodiscard]] Instant next_due() const;
   [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
@@ -94,10 +97,15 @@ class Wire {
     Bytes characters;
     std::vector<bool> garbled;
     Instant start;
+    std::uint32_t baud = 0;  // 0: that of the line
     std::size_t passed = 0;
   };
+  [[nodiscard]] Duration character_of(const Transmission& transmission) const {
+    return transmission.baud == 0 ? character_
+                                  : character_ * options_.line.baud / transmission.baud;
+  }
   [[nodiscard]] Instant end_of(const Transmission& transmission, std::size_t count) const {
-    return transmission.start + Duration{static_cast<std::int64_t>(count) * character_.count()};
+    return transmission.start + static_cast<std::int64_t>(count) * character_of(transmission);
   }
   [[nodiscard]] Instant piece_end(const Transmission& transmission) const;
   void collide(Queued& queued, Transmission& transmission);
@@ -110,8 +118,9 @@ class Wire {
   BitNoise noise_;
   std::deque<Queued> queued_;
   std::vector<Transmission> transmissions_;
-  Instant master_free_ = kLongAgo;         // end of the master's last character
-  Instant transmission_ended_ = kLongAgo;  // end of the last complete transmission
+  std::optional<std::uint32_t> response_baud_;  // see from_master()
+  Instant master_free_ = kLongAgo;              // end of the master's last character
+  Instant transmission_ended_ = kLongAgo;       // end of the last complete transmission
   std::uint64_t lost_ = 0, collisions_ = 0;
   std::optional<Duration> shortest_rest_;
 };

@@ -33,7 +33,7 @@ class DeclaredReceiver : public GapReceiver {
     heard(end, reaction);
     if (lost_) return;
     received_.push_back(character);
-    const auto taken = device_.take(received_, end, reaction.response);
+    const auto taken = device_.take(received_, end, reaction);
     if (taken == DeclaredDevice::Taken::kMore) return;
     ready(taken == DeclaredDevice::Taken::kNothing || reaction.response.empty());
   }
@@ -110,7 +110,7 @@ std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
   return std::make_unique<DeclaredReceiver>(*this, line_, stream_);
 }
 
-DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& response) {
+DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Reaction& reaction) {
   bool more = false;
   std::vector<const Operation*> rounds;
   for (const Operation& round : declaration_->login) rounds.push_back(&round);
@@ -119,7 +119,7 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
   }
   for (const Operation* round : rounds) {
     if (auto greeting = greet(*round, bytes, more)) {
-      response = std::move(*greeting);
+      reaction.response = std::move(*greeting);
       return Taken::kDone;
     }
   }
@@ -144,11 +144,12 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
       if (!outside) outside.emplace(&operation, std::move(received.text));
       continue;
     }
-    response = execute(operation, std::move(received.text), now);
+    reaction.baud = operation.response_baud(received.text.rate);
+    reaction.response = execute(operation, std::move(received.text), now);
     return Taken::kDone;
   }
   if (outside) {
-    response = execute(*outside->first, std::move(outside->second), now);
+    reaction.response = execute(*outside->first, std::move(outside->second), now);
     return Taken::kDone;
   }
   return more && bytes.size() < declared::kMaxFrame ? Taken::kMore : Taken::kNothing;

@@ -19,8 +19,8 @@ class DeclaredDevice : public MemoryDevice {
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
 
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
-  // Parses all bytes since the last silence or response. kDone, empty `response`: stay silent.
-  [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& response);
+  // Parses all bytes since the last silence or response. kDone, empty response: stay silent.
+  [[nodiscard]] Taken take(ByteView bytes, Instant now, Reaction& reaction);
   // The frame that the device sends by itself. REQUIRES: the operation has no request.
   [[nodiscard]] Bytes unsolicited(const declared::Operation& operation, Instant now);
   // Devices of one line begin at different times, so that their frames do not collide.

@@ -200,6 +200,7 @@ class ParseRun {
                stated.count <= operation_.max_count;
       case FieldKind::kLast: return meant % field.times == 0 && last(meant / field.times);
       case FieldKind::kSequence: stated.sequence = number; return true;
+      case FieldKind::kRate: stated.rate = number; return true;
       case FieldKind::kLength: length(field, number); return true;
       case FieldKind::kValue:
       case FieldKind::kExponent:

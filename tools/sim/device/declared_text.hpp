@@ -13,6 +13,7 @@ namespace fieldcast::sim {
 
 struct DeclaredText {
   std::uint64_t address = 0, command = 0, first = 0, count = 0, sequence = 0, error = 0;
+  std::optional<std::uint64_t> rate;                        // code of a baud rate
   std::string name;                                         // an address that is text
   std::vector<std::uint64_t> items;                         // right-aligned
   std::map<const declared::Field*, std::uint64_t> numbers;  // values of a record

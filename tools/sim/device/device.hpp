@@ -39,7 +39,8 @@ struct Reaction {
   Bytes response;  // empty: no response
   // Delay before the response that the request demands, in addition to the device's own.
   Duration pause{};
-  bool hang_up = false;  // TCP: the stream cannot be parsed further; close the connection
+  std::uint32_t baud = 0;  // of the response; 0: that of the line
+  bool hang_up = false;    // TCP: the stream cannot be parsed further; close the connection
 };
 
 class Receiver {

@@ -42,8 +42,9 @@ LearnedField constant_field(ByteView bytes, std::ptrdiff_t at) {
 
 std::string word_of(FieldKind kind) {
   static constexpr const char* kWords[] = {
-      "constant", "address",  "command", "first",    "count",    "last",     "length", "items",
-      "value",    "checksum", "error",   "sequence", "exponent", "decimals", "sign",   "unused"};
+      "constant", "address", "command",  "first",    "count",    "last", "length", "items", "value",
+      "checksum", "error",   "sequence", "exponent", "decimals", "sign", "rate",   "unused"};
+  static_assert(std::size(kWords) == static_cast<std::size_t>(FieldKind::kUnused) + 1);
   return kWords[static_cast<std::size_t>(kind)];
 }
 
