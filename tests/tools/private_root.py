@@ -105,7 +105,8 @@ class PrivateRoot:
             file.write(text)
 
     def _entered(self, command):
-        return ["nsenter", "--all", "--target", str(self.pid), "--wd=/", "env", "-i", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "HOME=/root",
+        # its own root: the root of its mounts is that of this machine if this is a chroot
+        return ["nsenter", "--all", "--target", str(self.pid), "--root", f"--wd=/proc/{self.pid}/root", "env", "-i", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "HOME=/root",
                 "LC_ALL=C.UTF-8", "DEBIAN_FRONTEND=noninteractive", *command]
 
     def run(self, *command, check=True, seconds=RUN_SECONDS):
