@@ -52,6 +52,7 @@ class TlsPeersTest(InAFolder):
         super().setUp()
         for authority in ("ca", "other"):
             self.openssl(f"req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN={authority} -addext basicConstraints=critical,CA:TRUE "
+                         "-addext keyUsage=critical,keyCertSign "
                          f"-keyout {authority}.key -out {authority}.pem")
         for name, subject in (("bridge", "DNS:bridge"), ("address", "IP:127.0.0.1"), ("name", "DNS:plc-7")):
             self.issue(name, "ca", subject)
@@ -62,6 +63,7 @@ class TlsPeersTest(InAFolder):
 
     def issue(self, name, authority, subject):
         self.openssl(f"req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN={name} -addext subjectAltName={subject} "
+                     "-addext basicConstraints=critical,CA:FALSE -addext keyUsage=critical,digitalSignature,keyEncipherment "  # as RFC 5280 asks
                      f"-CA {authority}.pem -CAkey {authority}.key -keyout {name}.key -out {name}.pem")
 
     def pymodbus(self, port, name, authority="ca"):
