@@ -125,6 +125,25 @@ TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
   EXPECT_THAT(scanner.noisy_lines(), ElementsAre(0));
 }
 
+// Address 2 responds late to its first request on line 1, while 3 is asked.
+TEST(Scanner, ALineWithALateResponseIsSearchedOnceMore) {
+  Scanner scanner(lines_of(3, {1, 2, 3}));
+  std::vector<std::pair<std::size_t, int>> asked;
+  bool late = false;
+  while (const auto ask = scanner.next()) {
+    if (ask->question == 0) asked.emplace_back(ask->line, ask->address);
+    const bool its = ask->line == 1 && ask->address == 2;
+    const bool others = ask->line == 1 && ask->address == 3 && ask->question == 0;
+    scanner.on_response(its && late ? value() : others ? noise() : silence());
+    late = late || its;
+  }
+  EXPECT_THAT(asked, ElementsAre(testing::Pair(0, 1), testing::Pair(0, 2), testing::Pair(0, 3),
+                                 testing::Pair(1, 1), testing::Pair(1, 2), testing::Pair(1, 3),
+                                 testing::Pair(1, 1), testing::Pair(1, 2), testing::Pair(1, 3)));
+  ASSERT_EQ(scanner.found().size(), 1u);
+  EXPECT_EQ(scanner.found()[0].address, 2);
+}
+
 TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
   Scanner scanner(lines_of(3, {1, 2, 3}));
   std::set<std::size_t> lines;

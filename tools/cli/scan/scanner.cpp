@@ -32,6 +32,7 @@ void Scanner::on_response(const ScanResponse& response) {
   echoed_ = echoed_ || response.echo_alone;
   const bool noise = response.bytes > 0 && !response.echo_alone;
   babble_ = noise ? babble_ + 1 : 0;
+  noise_ = noise_ || noise;
   if (response.shape != ResponseShape::kOther) {
     // The second request may match by chance: a response with a different parity can start
     // correctly.
@@ -89,12 +90,20 @@ void Scanner::advance() {
     });
   };
   do {
-    if (++index_ == lines_[line_].addresses.size()) return next_line();
+    if (++index_ == lines_[line_].addresses.size()) return end_line();
   } while (known());
+}
+
+void Scanner::end_line() {
+  if (settled_ || !noise_ || repeated_) return next_line();
+  noise_ = false;
+  repeated_ = true;
+  index_ = 0;
 }
 
 void Scanner::next_line() {
   babble_ = 0;
+  noise_ = repeated_ = false;
   index_ = 0;
   if (settled_) {
     line_ = *settled_;

@@ -1,6 +1,7 @@
 // State machine of a scan: next() returns the next request, on_response() processes its result. The
 // scan settles on the first line with a response and skips the others. Silent addresses there get a
-// second, different request.
+// second, different request. A line with bytes that are no response is searched once more: some
+// devices respond late to the first request after noise, as if another was asked.
 //
 // Quick search, if the lines have probes: each line is probed, and searched only if a byte was
 // received. Bytes that are not a valid response must be received twice, because some adapters
@@ -94,6 +95,7 @@ class Scanner {
 
  private:
   void advance();
+  void end_line();
   void next_line();
   void probed(const ScanResponse& response);
   void search_or_probe_next();
@@ -109,6 +111,8 @@ class Scanner {
   std::optional<std::size_t> settled_;  // line with a response
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
+  bool noise_ = false;     // in this search of the line
+  bool repeated_ = false;  // this is its second search
   bool echoed_ = false;
   bool quick_ = false;       // lines have probes
   bool probing_ = false;     // false: searching
