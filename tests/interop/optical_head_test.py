@@ -72,17 +72,19 @@ class Meter(threading.Thread):
 
 
 class OpticalHead(unittest.TestCase):
-    def read(self, code, stays=False):
+    def run_at(self, code, stays, command, *words):
         with SerialCable() as cable:
             meter = Meter(cable.right, code, stays)
             meter.start()
             try:
-                done = subprocess.run(
-                    [FIELDCAST, "read", cable.left, "--protocol", "iec62056-21-optical", "--baud", "300", "--format", "7E1", "--timeout", "1500ms",
-                     "--retries", "0", "energy-import-1", "current-1", "serial", "--json"], capture_output=True, text=True, timeout=DEADLINE)
+                done = subprocess.run([FIELDCAST, command, cable.left, "--protocol", "iec62056-21-optical", "--baud", "300", "--format", "7E1",
+                                       "--timeout", "1500ms", "--json", *words], capture_output=True, text=True, timeout=DEADLINE)
             finally:
                 meter.stop()
         return done, meter.acknowledged
+
+    def read(self, code, stays=False):
+        return self.run_at(code, stays, "read", "--retries", "0", "energy-import-1", "current-1", "serial")
 
     def test_the_readout_comes_at_the_rate_that_the_meter_names(self):
         for code in (b"5", b"4"):
@@ -92,6 +94,12 @@ class OpticalHead(unittest.TestCase):
                 values = {line["address"]: line["values"] for line in map(json.loads, done.stdout.splitlines())}
                 self.assertEqual(values, {"energy-import-1": [22108.7], "current-1": [0.8], "serial": ["1240007670003202"]})
                 self.assertEqual(set(acknowledged), {b"\x060" + code + b"0\r\n"})
+
+    def test_a_scan_finds_the_meter(self):
+        done, acknowledged = self.run_at(b"5", False, "scan", "--addresses", "1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["address"], 1)
+        self.assertEqual(set(acknowledged), {b"\x06050\r\n"})
 
     def test_a_meter_that_stays_at_its_rate_sends_noise(self):
         done, acknowledged = self.read(b"5", stays=True)
