@@ -27,7 +27,7 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
   MetricsSpec& metrics = spec.metrics.emplace();
   metrics_rows().read(map, metrics);
   const ProgramSpec& program = spec.program;
-  const bool engineers = program.engineers && program.engineers->listen == metrics.listen;
+  const bool engineers = engineers_listen_at(program, metrics.listen);
   const bool modules = program.modules && program.modules->listen == metrics.listen;
   if (metrics.listen.port == 0 || (!engineers && !modules)) return;
   map.fault(
@@ -103,7 +103,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_metrics(map, spec);
   read_buses(map, spec, state);
   if (const Node* buses = map.find("buses")) {
-    check_device_numbers(*buses, spec, state.faults);
+    check_device_numbers(root, *buses, spec, state.faults);
     check_gateway_ports(*buses, spec, state.faults);
   }
 }

@@ -112,14 +112,47 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   MapReader map(*node, program_rows(), bridge.faults());
   read_engineers(map, spec, library, bridge.has("store"));
   read_modules(map, spec, library);
-  if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&
+  if (spec.modules && engineers_listen_at(spec, spec.modules->listen) &&
       spec.modules->listen.port != 0) {
     map.fault("modules", "modules and engineers listen at the same port",
               "a port of its own for each");
   }
 }
 
-void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& faults) {
+bool engineers_listen_at(const ProgramSpec& program, const ListenSpec& place) {
+  if (!program.engineers) return false;
+  const auto& ports = program.engineers->ports;
+  return program.engineers->listen == place ||
+         std::ranges::find(ports, place, &EngineerPortSpec::listen) != ports.end();
+}
+
+namespace {
+
+// A module without a bus may dial in with any number.
+void check_devices_of_ports(const Node& bridge, const BridgeSpec& spec, FaultList& faults) {
+  if (!spec.program.engineers || spec.program.modules) return;
+  const auto has_number = [&](const std::string& number) {
+    return std::ranges::any_of(spec.buses, [&](const BusSpec& bus) {
+      return std::ranges::find(bus.devices, number, &DeviceSpec::number) != bus.devices.end();
+    });
+  };
+  const Node* node = &bridge;
+  for (const auto* key : {"program", "engineers", "ports"}) {
+    if (node = value_of(*node, key); node == nullptr) return;
+  }
+  const auto& ports = spec.program.engineers->ports;
+  for (std::size_t i = 0; i < std::min(node->items.size(), ports.size()); ++i) {
+    const Node* device = value_of(*node->items[i], "device");
+    if (device != nullptr && !ports[i].device.empty() && !has_number(ports[i].device))
+      faults.add(device->position, fmt::format("no device has the number '{}'", ports[i].device),
+                 "`number` of a device, or program: { modules: .. } for one that dials in");
+  }
+}
+
+}  // namespace
+
+void check_device_numbers(const Node& bridge, const Node& buses, const BridgeSpec& spec,
+                          FaultList& faults) {
   UniqueNames numbers;
   for (std::size_t i = 0; i < std::min(buses.items.size(), spec.buses.size()); ++i) {
     const Node& bus = *buses.items[i];
@@ -144,6 +177,7 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
                    "program: { engineers: { listen: ADDRESS:PORT } }");
     }
   }
+  check_devices_of_ports(bridge, spec, faults);
 }
 
 namespace {
