@@ -85,11 +85,15 @@ esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
 
+# NAME is that of this machine: the package of another architecture (cross) is not enough.
+here=$(dpkg --print-architecture)
+installed() {
+  local wanted=$here
+  [[ "$1" != *:* ]] || wanted=${1#*:}
+  dpkg-query -W -f '${Architecture} ${db:Status-Status}\n' "$1" 2>/dev/null | grep -qxE "(all|$wanted) installed"
+}
 missing=()
-for package in "${packages[@]}"; do
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing+=("$package")
-done
+for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
 # PACKAGE PROGRAM PATH: unpacks PATH of the package if the program is not installed.
 unpacked=()
 if [ "${1:-test}" = ci ]; then
