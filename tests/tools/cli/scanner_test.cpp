@@ -3,6 +3,7 @@
 #include <set>
 
 #include "tests/tools/cli/scan_support.hpp"
+#include "tools/cli/scan/scan_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
