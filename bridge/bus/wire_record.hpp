@@ -34,6 +34,7 @@ class WireRecord {
 
  private:
   [[nodiscard]] bool capturing() const { return tap_ && tap_->wanted(); }
+  // Whether bytes that arrive now belong to a frame that the capture does not have; notes them.
   [[nodiscard]] bool unseen_frame_continues(UtcTime at);
 
   const std::string bus_;

@@ -219,9 +219,6 @@ class DeclarationReader {
       round.request = frame("request");
       round.response = frame("answer");
       check_round(declaration_, round, faults_);
-      check_no_rate(round.request, "the request of a round", faults_);
-      if (key == "login") check_no_rate(round.response, "a login", faults_);
-      check_named_rates(round.response, faults_);
       round.operation.request = round.request.frame();
       round.operation.response = round.response.frame();
       rounds.push_back(std::move(round.operation));
@@ -272,7 +269,6 @@ class DeclarationReader {
     const auto read_refusal = [&](const Node& frame, std::string_view key) {
       const DraftFrame refusal = read_frame(frame, key, defaults_, 16, faults_);
       check_refusal(declaration_, operations_, refusal, faults_);
-      check_no_rate(refusal, "a refusal", faults_);
       declaration_.refusals.push_back(refusal.frame());
     };
     const Node* frames = map.find("frames");

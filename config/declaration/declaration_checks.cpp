@@ -31,6 +31,7 @@ class OperationCheck {
     check_variable(draft_.response);
     check_blocks();
     check_unsolicited();
+    check_rate();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
         faults_.add(draft.position,
@@ -81,6 +82,10 @@ class OperationCheck {
         needs(area_.record, draft.position,
               fmt::format("'{}' is no record and has no values", area_.name),
               "is: items, or record: true in the area");
+        break;
+      case FieldKind::kRate:
+        needs(&frame == &draft_.request, draft.position, "a response names its own baud rate",
+              "in the response of a round before the request, and in the request");
         break;
       default: break;
     }
@@ -259,6 +264,25 @@ class OperationCheck {
           "a checksum, or a constant at its end, behind which the next frame begins");
   }
 
+  // A round before the request names the rate, and the request repeats its code.
+  void check_rate() {
+    if (!draft_.request.good) return;
+    std::size_t named = 0;
+    for (const declared::Operation& round : operation_.before)
+      named += static_cast<std::size_t>(
+          std::ranges::count(round.response.fields, FieldKind::kRate, &Field::kind));
+    const std::size_t repeated = number_of(draft_.request, FieldKind::kRate);
+    const DraftField* rate = draft_.request.find(FieldKind::kRate);
+    if (named > 1 || named != repeated)
+      faults_.add(
+          rate == nullptr ? draft_.request.position : rate->position,
+          fmt::format("a baud rate is named {} times and repeated {} times", named, repeated),
+          "one field that is: rate in the rounds before the request, and one in the request");
+    else if (rate != nullptr && !rate->field.rates.empty())
+      faults_.add(rate->position, "the request names baud rates",
+                  "is: rate alone, which repeats the code");
+  }
+
   // A text of variable length must end at a constant, or a length field must precede it.
   void check_variable(const DraftFrame& frame) {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
@@ -294,7 +318,6 @@ void check_operation(const Declaration& declaration, const DraftOperation& draft
                      FaultList& faults) {
   if (!draft.good) return;
   OperationCheck(declaration, draft, faults).run();
-  check_rates(draft, faults);
   check_forms(draft, declaration.areas[draft.operation.area], faults);
   for (const DraftFrame& other : draft.others) {
     DraftOperation form = draft;

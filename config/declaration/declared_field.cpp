@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "config/declaration/declared_frame.hpp"
+#include "config/document/baud.hpp"
 #include "config/document/common_forms.hpp"
 #include "config/document/scalars.hpp"
 
@@ -16,17 +17,7 @@ using declared::FieldKind;
 using declared::Notation;
 
 constexpr std::size_t kMaxRates = 32;
-constexpr std::int64_t kMinBaud = 50, kMaxBaud = 4'000'000;
 
-constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
-    {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},
-    {"first", FieldKind::kFirst},       {"count", FieldKind::kCount},
-    {"last", FieldKind::kLast},         {"length", FieldKind::kLength},
-    {"items", FieldKind::kItems},       {"value", FieldKind::kValue},
-    {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
-    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused},
-    {"exponent", FieldKind::kExponent}, {"decimals", FieldKind::kDecimals},
-    {"sign", FieldKind::kSign},         {"rate", FieldKind::kRate}};
 constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex},
                                                                 {"decimal", Notation::kDecimal},
@@ -40,45 +31,6 @@ constexpr std::pair<std::string_view, declared::Counts> kCounts[] = {
     {"items", declared::Counts::kItems}};
 constexpr std::pair<std::string_view, Complement> kComplements[] = {
     {"none", Complement::kNone}, {"ones", Complement::kOnes}, {"twos", Complement::kTwos}};
-
-// Valid keys per kind, in addition to name, is, constant and the widths.
-struct Meaning {
-  std::string_view key;
-  std::initializer_list<FieldKind> kinds;
-};
-const Meaning kMeanings[] = {
-    {"plus",
-     {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount,
-      FieldKind::kLast, FieldKind::kLength, FieldKind::kExponent, FieldKind::kDecimals}},
-    {"times", {FieldKind::kFirst, FieldKind::kCount, FieldKind::kLast}},
-    {"of",
-     {FieldKind::kLength, FieldKind::kChecksum, FieldKind::kExponent, FieldKind::kDecimals,
-      FieldKind::kSign}},
-    {"kind", {FieldKind::kChecksum}},
-    {"complement", {FieldKind::kChecksum}},
-    {"start", {FieldKind::kChecksum}},
-    {"over", {FieldKind::kChecksum}},
-    {"on", {FieldKind::kItems, FieldKind::kSign}},
-    {"off", {FieldKind::kItems, FieldKind::kSign}},
-    {"ok", {FieldKind::kError}},
-    {"text", {FieldKind::kValue, FieldKind::kAddress, FieldKind::kUnused}},
-    {"variable", {FieldKind::kValue, FieldKind::kUnused}},
-    {"optional", {FieldKind::kConstant}},
-    {"signed", {FieldKind::kValue, FieldKind::kItems, FieldKind::kExponent, FieldKind::kDecimals}},
-    {"fill", {FieldKind::kUnused, FieldKind::kRate}},
-    {"rates", {FieldKind::kRate}},
-    {"key", {FieldKind::kValue, FieldKind::kUnused}},
-    {"after", {FieldKind::kValue}},
-    {"until", {FieldKind::kValue}},
-    {"counts", {FieldKind::kLength}},
-};
-
-std::string_view word_of(FieldKind kind) {
-  for (const auto& [word, each] : kKinds) {
-    if (each == kind) return word;
-  }
-  return "constant";
-}
 
 class FieldReader {
  public:
@@ -95,7 +47,7 @@ class FieldReader {
   DraftField run() {
     Field& field = draft_.field;
     read_kind();
-    field.name = word_of(field.kind);
+    field.name = declared::to_text(field.kind);
     map_.read("name", field.name, NameRule{});
     field.word.notation = defaults_.notation;
     map_.read("as", field.word.notation, ChoiceRule<Notation>{kNotations});
@@ -107,7 +59,7 @@ class FieldReader {
     read_rates();
     read_key();
     read_optional();
-    refuse_meaningless();
+    refuse_meaningless(map_, draft_.field.kind);
     draft_.fits = faults_.size() == before_;
     return std::move(draft_);
   }
@@ -116,7 +68,7 @@ class FieldReader {
   void read_kind() {
     Field& field = draft_.field;
     const Node* constant = map_.find("constant");
-    const bool is = map_.read("is", field.kind, ChoiceRule<FieldKind>{kKinds});
+    const bool is = map_.read("is", field.kind, ChoiceRule<FieldKind>{declared::kFieldKinds});
     if (constant == nullptr) {
       if (!is && map_.is_map() && !map_.has_or_means("is") && !map_.has_or_means("constant"))
         faults_.add(map_.position(), "a field is neither constant nor anything else",
@@ -221,10 +173,10 @@ class FieldReader {
     }
     for (const auto& [key, value] : node->entries) {
       const auto code = WholeRule{0, UINT32_MAX}(*key, "code", faults_);
-      const auto baud = WholeRule{kMinBaud, kMaxBaud}(*value, "baud", faults_);
+      const auto baud = BaudRule{}(*value, "baud", faults_);
       if (!code || !baud) continue;
       too_wide(static_cast<std::uint64_t>(*code), key->position, "code");
-      field.rates[static_cast<std::uint64_t>(*code)] = static_cast<std::uint32_t>(*baud);
+      field.rates[static_cast<std::uint64_t>(*code)] = *baud;
     }
     if (!field.rates.empty() && !field.rates.contains(field.number))
       map_.fault(map_.has("fill") ? "fill" : "rates", "no usual code of a baud rate",
@@ -447,18 +399,6 @@ class FieldReader {
         return needed == 1 ? "digits: 2, 4, 6 or 8" : fmt::format("digits: {}", 2 * needed);
       case Notation::kDecimal: return "digits: 3, for a sum or a xor";
       default: return needed == 1 ? "bytes: 1 to 4" : fmt::format("bytes: {}", needed);
-    }
-  }
-
-  void refuse_meaningless() {
-    for (const auto& [key, kinds] : kMeanings) {
-      if (!map_.has(key) || std::ranges::find(kinds, draft_.field.kind) != kinds.end()) continue;
-      std::vector<std::string_view> words;
-      for (const auto kind : kinds) words.push_back(word_of(kind));
-      map_.fault(key,
-                 fmt::format("'{}' has no meaning for a field that is {}", key,
-                             word_of(draft_.field.kind)),
-                 "it belongs to " + joined(words));
     }
   }
 

@@ -60,6 +60,9 @@ struct DraftOperation {
 [[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults,
                                     unsigned item_bits, FaultList& faults);
 
+// Adds a fault for each key that has no meaning for a field of this kind.
+void refuse_meaningless(MapReader& field, declared::FieldKind kind);
+
 // The name of a checksum, or the parameters of a CRC; `check_words`: what is allowed.
 [[nodiscard]] std::optional<declared::Check> read_check(const Node& node, FaultList& faults);
 [[nodiscard]] std::string check_words();
@@ -84,11 +87,6 @@ void check_forms(const DraftOperation& draft, const declared::DeclaredArea& area
 // `round`: a round before a request, with its frames.
 void check_round(const declared::Declaration& declaration, const DraftOperation& round,
                  FaultList& faults);
-// A response has another baud rate if a round before its request names it and the request repeats
-// it. `what`: "a refusal", ..
-void check_no_rate(const DraftFrame& frame, std::string_view what, FaultList& faults);
-void check_named_rates(const DraftFrame& answer, FaultList& faults);
-void check_rates(const DraftOperation& draft, FaultList& faults);
 void check_refusal(const declared::Declaration& declaration,
                    const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
                    FaultList& faults);

@@ -19,7 +19,8 @@ void check_refusal_field(const Declaration& declaration, const DraftField& draft
                          std::string_view what, FaultList& faults) {
   const auto kind = draft.field.kind;
   if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
-      kind == FieldKind::kCount || kind == FieldKind::kLast || declared::scales(draft.field))
+      kind == FieldKind::kCount || kind == FieldKind::kLast || kind == FieldKind::kRate ||
+      declared::scales(draft.field))
     faults.add(draft.position, fmt::format("{} brings no '{}'", what, draft.field.name),
                "constant, address, command, error, length, sequence, checksum, unused");
   if (kind == FieldKind::kAddress && declaration.address_characters == 0 &&
@@ -76,7 +77,12 @@ void check_forms(const DraftOperation& draft, const DeclaredArea& area, FaultLis
 void check_round(const Declaration& declaration, const DraftOperation& round, FaultList& faults) {
   for (const auto* frame : {&round.request, &round.response}) {
     for (const DraftField& draft : frame->fields) {
-      check_refusal_field(declaration, draft, "a round before a request", faults);
+      if (draft.field.kind != FieldKind::kRate || frame == &round.request)
+        check_refusal_field(declaration, draft, "a round before a request", faults);
+      else if (draft.fits && draft.field.rates.empty())
+        faults.add(draft.position,
+                   fmt::format("'{}' does not say which baud rates there are", draft.field.name),
+                   "rates: { 0x35: 9600, .. }");
       if (draft.field.kind == FieldKind::kCommand && !round.has_command)
         faults.add(draft.position, "a round has no command", "command: a number, in the round");
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress &&

@@ -102,10 +102,8 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_store(map, spec.store);
   read_metrics(map, spec);
   read_buses(map, spec, state);
-  if (const Node* buses = map.find("buses")) {
-    check_device_numbers(root, *buses, spec, state.faults);
-    check_gateway_ports(*buses, spec, state.faults);
-  }
+  check_device_numbers(root, spec, state.faults);
+  if (const Node* buses = map.find("buses")) check_gateway_ports(*buses, spec, state.faults);
 }
 
 // REQUIRES: no faults so far.

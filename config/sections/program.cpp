@@ -67,6 +67,27 @@ const Node* value_of(const Node& map, std::string_view key) {
   return nullptr;
 }
 
+// A module without a bus may dial in with any number.
+void check_devices_of_ports(const Node& bridge, const BridgeSpec& spec, FaultList& faults) {
+  if (!spec.program.engineers || spec.program.modules) return;
+  const auto has_number = [&](const std::string& number) {
+    return std::ranges::any_of(spec.buses, [&](const BusSpec& bus) {
+      return std::ranges::find(bus.devices, number, &DeviceSpec::number) != bus.devices.end();
+    });
+  };
+  const Node* node = &bridge;
+  for (const auto* key : {"program", "engineers", "ports"}) {
+    if (node = value_of(*node, key); node == nullptr) return;
+  }
+  const auto& ports = spec.program.engineers->ports;
+  for (std::size_t i = 0; i < std::min(node->items.size(), ports.size()); ++i) {
+    const Node* device = value_of(*node->items[i], "device");
+    if (device != nullptr && !ports[i].device.empty() && !has_number(ports[i].device))
+      faults.add(device->position, fmt::format("no device has the number '{}'", ports[i].device),
+                 "`number` of a device, or program: { modules: .. } for one that dials in");
+  }
+}
+
 }  // namespace
 
 std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_view key,
@@ -126,36 +147,12 @@ bool engineers_listen_at(const ProgramSpec& program, const ListenSpec& place) {
          std::ranges::find(ports, place, &EngineerPortSpec::listen) != ports.end();
 }
 
-namespace {
-
-// A module without a bus may dial in with any number.
-void check_devices_of_ports(const Node& bridge, const BridgeSpec& spec, FaultList& faults) {
-  if (!spec.program.engineers || spec.program.modules) return;
-  const auto has_number = [&](const std::string& number) {
-    return std::ranges::any_of(spec.buses, [&](const BusSpec& bus) {
-      return std::ranges::find(bus.devices, number, &DeviceSpec::number) != bus.devices.end();
-    });
-  };
-  const Node* node = &bridge;
-  for (const auto* key : {"program", "engineers", "ports"}) {
-    if (node = value_of(*node, key); node == nullptr) return;
-  }
-  const auto& ports = spec.program.engineers->ports;
-  for (std::size_t i = 0; i < std::min(node->items.size(), ports.size()); ++i) {
-    const Node* device = value_of(*node->items[i], "device");
-    if (device != nullptr && !ports[i].device.empty() && !has_number(ports[i].device))
-      faults.add(device->position, fmt::format("no device has the number '{}'", ports[i].device),
-                 "`number` of a device, or program: { modules: .. } for one that dials in");
-  }
-}
-
-}  // namespace
-
-void check_device_numbers(const Node& bridge, const Node& buses, const BridgeSpec& spec,
-                          FaultList& faults) {
+void check_device_numbers(const Node& bridge, const BridgeSpec& spec, FaultList& faults) {
+  const Node* buses = value_of(bridge, "buses");
+  if (buses == nullptr) return;
   UniqueNames numbers;
-  for (std::size_t i = 0; i < std::min(buses.items.size(), spec.buses.size()); ++i) {
-    const Node& bus = *buses.items[i];
+  for (std::size_t i = 0; i < std::min(buses->items.size(), spec.buses.size()); ++i) {
+    const Node& bus = *buses->items[i];
     const Node* port = value_of(bus, "port");
     if (const auto* dial_in = std::get_if<DialInPortSpec>(&spec.buses[i].port);
         dial_in && port && !dial_in->number.empty()) {

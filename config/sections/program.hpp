@@ -14,9 +14,8 @@ namespace fieldcast::config {
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 
 // Each number must be unique and usable by an engineer or a module, and an engineer's port must be
-// for one of them. `bridge`, `buses`: as written.
-void check_device_numbers(const Node& bridge, const Node& buses, const BridgeSpec& spec,
-                          FaultList& faults);
+// for one of them. `bridge`: as written.
+void check_device_numbers(const Node& bridge, const BridgeSpec& spec, FaultList& faults);
 
 // Whether the server of engineers or one of their ports listens there.
 [[nodiscard]] bool engineers_listen_at(const ProgramSpec& program, const ListenSpec& place);

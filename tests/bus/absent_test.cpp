@@ -2,10 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <stdexcept>
-
-#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
+#include "tests/support/declared_bus.hpp"
 #include "tests/support/multimeter.hpp"
 
 namespace fieldcast {
@@ -14,17 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualBus;
 
-BusSpec bus_of(std::string_view text) {
-  const config::FileReader reader{
-      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/meter.yaml") return std::string(test::kMultimeter);
-        return tl::unexpected(config::FileError::kMissing);
-      },
-      {}};
-  const auto loaded = config::load_text(std::string(text), "plant.yaml", reader);
-  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
-  return loaded->buses[0];
-}
+BusSpec bus_of(std::string_view text) { return test::bus_by(text, "meter", test::kMultimeter); }
 
 constexpr std::string_view kMeter = R"(
 bridge: b

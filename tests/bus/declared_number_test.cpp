@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
+#include "tests/support/declared_bus.hpp"
 
 namespace fieldcast {
 namespace {
@@ -34,17 +34,11 @@ operations:
 )";
 
 BusSpec gauge(const char* declaration = kGauge) {
-  const config::FileReader reader{
-      [declaration](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/gauge.yaml") return declaration;
-        return tl::unexpected(config::FileError::kMissing);
-      },
-      {}};
   const std::string level =
       declaration == kGauge
           ? "          - { name: level, at: level, type: float32, text: decimal }\n"
           : "";
-  const auto loaded = config::load_text(R"(
+  return test::bus_by(R"(
 bridge: b
 buses:
   - name: bus
@@ -58,9 +52,7 @@ buses:
         channels:
 )" + level + R"(          - { name: target, at: target, type: float64, access: read-write }
 )",
-                                        "plant.yaml", reader);
-  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
-  return loaded->buses[0];
+                      "gauge", declaration);
 }
 
 CommandResult run(VirtualBus& bus, Command command) {

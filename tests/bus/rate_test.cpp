@@ -3,10 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <stdexcept>
-
-#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
+#include "tests/support/declared_bus.hpp"
 
 namespace fieldcast {
 namespace {
@@ -33,23 +31,14 @@ operations:
 )";
 
 tl::expected<BusSpec, std::string> meter_on(std::string_view port) {
-  const config::FileReader reader{
-      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/meter.yaml") return std::string(kChangingMeter);
-        return tl::unexpected(config::FileError::kMissing);
-      },
-      {}};
-  const auto loaded =
-      config::load_text("bridge: b\nbuses:\n  - name: bus\n    port: " + std::string(port) + R"(
+  return test::loaded_bus("bridge: b\nbuses:\n  - name: bus\n    port: " + std::string(port) + R"(
     protocol: meter
     devices:
       - name: m
         address: 1
         channels: [{ name: energy, at: energy, type: uint32, refresh: 2s }]
 )",
-                        "plant.yaml", reader);
-  if (!loaded) return tl::unexpected(config::to_text(std::span(loaded.error())));
-  return loaded->buses[0];
+                          "meter", kChangingMeter);
 }
 
 TEST(ChangingRate, ARefreshIsKeptThatTheLineAloneCouldNotKeep) {

@@ -2,10 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <stdexcept>
-
-#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
+#include "tests/support/declared_bus.hpp"
 
 namespace fieldcast {
 namespace {
@@ -47,19 +45,11 @@ operations:
 )";
 
 BusSpec line(const std::string& devices) {
-  const config::FileReader reader{
-      [](const std::string& path) -> tl::expected<std::string, config::FileError> {
-        if (path == "protocols/scale.yaml") return kScale;
-        return tl::unexpected(config::FileError::kMissing);
-      },
-      {}};
-  const auto loaded = config::load_text(
+  return test::bus_by(
       "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0, baud: 19200 }\n"
       "    protocol: scale\n    devices:\n" +
           devices,
-      "plant.yaml", reader);
-  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
-  return loaded->buses[0];
+      "scale", kScale);
 }
 
 BusSpec two_scales() {

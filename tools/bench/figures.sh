@@ -11,12 +11,11 @@ cd "$(dirname "$0")/../.." || exit 1
 [ -x build/bin/wire_bench ] || { echo "tools/bench/figures.sh: build/bin has no benches; see the head of this file" >&2; exit 1; }
 export PATH="$PWD/build/bin:$PATH" PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=tests/tools
 
-run=run
-[ "${1:-}" != --list ] || { run=list; shift; }
-failed=0
+list=no failed=0
+[ "${1:-}" != --list ] || { list=yes; shift; }
 while IFS= read -r command; do
   case "$command" in *"${1:-}"*) ;; *) continue ;; esac
-  [ "$run" = run ] || { echo "$command"; continue; }
+  [ "$list" = no ] || { echo "$command"; continue; }
   echo "=== $command"
   began=$SECONDS
   timeout --kill-after=30 1800 bash -c "$command" </dev/null 2>&1 || { echo "=== ended with $?"; failed=1; }

@@ -24,9 +24,7 @@ void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   echo_stripped_ = echo_ == Echo::kAbsent;
   missing_ = 0;
   expected_ = step.characters;
-  response_line_ = line_;
-  response_baud_ = step.response_baud;
-  if (response_baud_ != 0) response_line_.baud = response_baud_;
+  response_line_.baud = step.response_baud == 0 ? line_.baud : step.response_baud;
   bytes_sent_ += out.size();
   sent_until_ = now + line_.characters(static_cast<double>(out.size()));
   response_deadline_ = sent_until_ + timeout_;

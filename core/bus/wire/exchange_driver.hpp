@@ -23,7 +23,7 @@ class ExchangeDriver {
   static constexpr std::size_t kMaxReceived = 8192;
 
   ExchangeDriver(const LineFormat& line, Duration gap_allowance, Echo echo)
-      : line_(line), gap_allowance_(gap_allowance), echo_(echo) {}
+      : line_(line), response_line_(line), gap_allowance_(gap_allowance), echo_(echo) {}
 
   // REQUIRES: !active(). `echo_is_distinct`: no response can equal the request.
   void begin(std::unique_ptr<Exchange> exchange, Duration timeout, bool echo_is_distinct,
@@ -55,7 +55,9 @@ class ExchangeDriver {
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
   [[nodiscard]] unsigned requests() const { return requests_; }
   // Rate of the response to the last request; 0: that of the line.
-  [[nodiscard]] std::uint32_t response_baud() const { return response_baud_; }
+  [[nodiscard]] std::uint32_t response_baud() const {
+    return response_line_.baud == line_.baud ? 0 : response_line_.baud;
+  }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
   // The same for the confirmation behind the response.
@@ -92,8 +94,7 @@ class ExchangeDriver {
   [[nodiscard]] bool strip_echo();  // returns false if the echo is incomplete
 
   LineFormat line_;
-  LineFormat response_line_{};
-  std::uint32_t response_baud_ = 0;
+  LineFormat response_line_;  // line_, perhaps with the rate of the response
   Duration gap_allowance_;
   Echo echo_;
   bool echo_is_distinct_ = true;

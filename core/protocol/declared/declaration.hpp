@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/protocol/declared/escape.hpp"
@@ -44,6 +45,23 @@ enum class FieldKind : std::uint8_t {
   kRate,      // code of the baud rate of the response, which the device has named in `rates`
   kUnused,    // sent as `number`; ignored on reception
 };
+
+// As a declaration writes them, `is: address`; a constant has no word.
+inline constexpr std::pair<std::string_view, FieldKind> kFieldKinds[] = {
+    {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},
+    {"first", FieldKind::kFirst},       {"count", FieldKind::kCount},
+    {"last", FieldKind::kLast},         {"length", FieldKind::kLength},
+    {"items", FieldKind::kItems},       {"value", FieldKind::kValue},
+    {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
+    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused},
+    {"exponent", FieldKind::kExponent}, {"decimals", FieldKind::kDecimals},
+    {"sign", FieldKind::kSign},         {"rate", FieldKind::kRate}};
+[[nodiscard]] constexpr std::string_view to_text(FieldKind kind) {
+  for (const auto& [word, each] : kFieldKinds) {
+    if (each == kind) return word;
+  }
+  return "constant";
+}
 
 // Both ends are inclusive.
 struct Span {

@@ -100,7 +100,8 @@ class DeclaredProtocol final : public Protocol {
         received += fixed(round.response);
       }
       prepared_.push_back({sent, received, items_field(operation.request),
-                           items_field(operation.response), bits, record, operation.echoes()});
+                           items_field(operation.response), bits, record, operation.echoes(),
+                           operation.response_baud()});
     }
   }
 
@@ -126,9 +127,9 @@ class DeclaredProtocol final : public Protocol {
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
         .response_characters = sizes.response + items(sizes.response_items, operation.response),
         .rounds = 1 + static_cast<std::uint32_t>(operation.before.size())};
+    if (sizes.response_baud == 0) return size;
     LineFormat line = line_;
-    line.baud = operation.response_baud();
-    if (line.baud == 0) return size;
+    line.baud = sizes.response_baud;
     const auto last = static_cast<std::uint32_t>(response_size(operation, sizes.item_bits, count));
     size.response_characters -= last;
     size.response_at_other_rate = line.characters(last);
@@ -181,6 +182,7 @@ class DeclaredProtocol final : public Protocol {
     unsigned item_bits = 16;
     bool record = false;
     bool echoes = false;
+    std::uint32_t response_baud = 0;
   };
 
   static std::size_t items_field(const Frame& frame) {

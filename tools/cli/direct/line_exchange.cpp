@@ -118,10 +118,7 @@ struct LineExchange::State final : PortListener {
     if (said.size() < kMostHeard) append(said, bytes);
     record(CaptureRecord::Kind::kSent, bytes, note.text, steady_now());
     port->write(bytes);
-    const bool asks =
-        outcome == ExchangeDriver::Outcome::kWaiting || outcome == ExchangeDriver::Outcome::kSend;
-    if (asks && driver->response_baud() != 0)
-      port->receive_at(driver->response_baud(), bytes.size());
+    if (driver->response_baud() != 0) port->receive_at(driver->response_baud(), bytes.size());
   }
   void record(CaptureRecord::Kind kind, ByteView bytes, const std::string& text, Instant at) const {
     if (tap && tap->wanted())

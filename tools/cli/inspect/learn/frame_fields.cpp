@@ -40,14 +40,6 @@ LearnedField constant_field(ByteView bytes, std::ptrdiff_t at) {
   return field;
 }
 
-std::string word_of(FieldKind kind) {
-  static constexpr const char* kWords[] = {
-      "constant", "address", "command",  "first",    "count",    "last", "length", "items", "value",
-      "checksum", "error",   "sequence", "exponent", "decimals", "sign", "rate",   "unused"};
-  static_assert(std::size(kWords) == static_cast<std::size_t>(FieldKind::kUnused) + 1);
-  return kWords[static_cast<std::size_t>(kind)];
-}
-
 FrameFields::FrameFields(const Frames& frames, const std::optional<FoundChecksum>& common,
                          bool text)
     : frames_(frames), text_(text) {
@@ -156,7 +148,8 @@ std::vector<LearnedField> FrameFields::finish(unsigned& values) {
   for (LearnedField& field : fields_) {
     const bool value = field.kind == FieldKind::kValue;
     const unsigned number = value ? ++values : ++counts[field.kind];
-    field.name = word_of(field.kind) + (number > 1 || value ? fmt::format("-{}", number) : "");
+    field.name =
+        std::string(to_text(field.kind)) + (number > 1 || value ? fmt::format("-{}", number) : "");
   }
   for (LearnedField& field : fields_) {
     if (field.from < 0) continue;

@@ -57,7 +57,5 @@ class FrameFields {
                                                     std::size_t end_size);
 
 [[nodiscard]] LearnedField constant_field(ByteView bytes, std::ptrdiff_t at);
-// As a declaration names it: "address".
-[[nodiscard]] std::string word_of(declared::FieldKind kind);
 
 }  // namespace fieldcast::learn

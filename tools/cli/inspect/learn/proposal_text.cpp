@@ -42,7 +42,7 @@ std::string number_text(const declared::Word& word) {
 std::string fields_text(const std::vector<LearnedField>& fields, bool text) {
   std::string lines;
   for (const LearnedField& field : fields) {
-    const bool named = field.name != word_of(field.kind);
+    const bool named = field.name != to_text(field.kind);
     const std::string content =
         (named ? "name: " + field.name + ", " : "") + content_of(field, text);
     lines += fmt::format("      {:<52}  # at {}, {}/{}{}\n", "- { " + content + " }", field.at,
@@ -105,7 +105,7 @@ std::string content_of(const LearnedField& field, bool text) {
                        std::string(field.constant.begin(), field.constant.end()),
                        number_text(field.word));
   if (field.kind == FieldKind::kConstant) return "constant: " + constant_text(field.constant, text);
-  std::string content = "is: " + word_of(field.kind) + field.options;
+  std::string content = fmt::format("is: {}{}", to_text(field.kind), field.options);
   if (!field.of.empty()) content += ", of: " + field.of;
   // The width of other items is that of the area.
   const bool items = field.kind == FieldKind::kItems && (field.word.notation == Notation::kBinary ||
