@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <ranges>
 #include <string>
 #include <vector>
 
@@ -68,7 +67,8 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
   plant.listen();
   plant.start_bridge();
   // A channel is first read within its refresh, which a full line makes longer.
-  const double slowest = std::ranges::max(std::views::values(refreshes));
+  double slowest = 0;
+  for (const auto& [name, refresh] : refreshes) slowest = std::max(slowest, refresh);
   plant.wait_until_seen(refreshes.size(), 1.3 * slowest);
   let_run(kSettle);
   const auto before = plant.buses();
