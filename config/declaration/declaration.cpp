@@ -26,6 +26,7 @@ constexpr std::size_t kMaxRefusals = 8;
 constexpr std::size_t kMaxForms = 16;
 constexpr std::string_view kForm = "answer";
 constexpr std::string_view kForms = "answers";
+constexpr Duration kMinPause = std::chrono::milliseconds{1}, kMaxPause = std::chrono::seconds{1};
 constexpr std::int64_t kMaxItems = 1 << 24;
 constexpr std::int64_t kMaxOrigin = UINT32_MAX - kMaxItems;
 
@@ -178,8 +179,18 @@ class DeclarationReader {
         map.fault(key, fmt::format("'{}' has no meaning for a frame without a request", key),
                   "no '" + std::string(key) + "'");
     }
+    const bool unanswered =
+        map.read("unanswered", draft.operation.unanswered, DurationRule{kMinPause, kMaxPause}) ||
+        map.has("unanswered");
+    for (const auto key : {kForm, kForms}) {
+      if (unanswered && map.find(key) != nullptr)
+        map.fault(key, fmt::format("'{}' has no meaning for a write without a response", key),
+                  fmt::format("no '{}', or no 'unanswered'", key));
+    }
     const Node* forms = map.find(kForms);
-    if (forms == nullptr)
+    if (unanswered)
+      draft.response.position = node.position, draft.response.good = draft.operation.write;
+    else if (forms == nullptr)
       draft.response = frame(kForm);
     else
       read_forms(map, *forms, draft);

@@ -31,6 +31,7 @@ class OperationCheck {
     check_variable(draft_.response);
     check_blocks();
     check_unsolicited();
+    check_unanswered();
     check_rate();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
@@ -262,6 +263,16 @@ class OperationCheck {
           draft_.response.position,
           fmt::format("nothing shows where the frame of '{}' begins", operation_.name),
           "a checksum, or a constant at its end, behind which the next frame begins");
+  }
+
+  // Only reading back shows whether such a write took effect.
+  void check_unanswered() {
+    if (operation_.unanswered == Duration::zero()) return;
+    needs(operation_.write && !area_.trigger, draft_.position,
+          fmt::format("'{}' has no response, and is no write whose effect can be read",
+                      operation_.name),
+          area_.trigger ? "an 'answer', or a write to an area that is read"
+                        : "write: an area that another operation reads");
   }
 
   // A round before the request names the rate, and the request repeats its code.

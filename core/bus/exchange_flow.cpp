@@ -161,6 +161,10 @@ OutcomeRouter::OutcomeRouter(BusParts& parts, Arbiter& arbiter)
 
 std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink& sink) {
   const Wire::Ended ended = parts_.wire().conclude(done, now);
+  if (ended.unanswered) {  // says nothing about the device
+    deliver(parts_.wire().take(), ended, now, sink);
+    return std::nullopt;
+  }
   const DeviceIndex device = parts_.wire().flight().asked.device;
   // The device has responded to a request that was in flight with this one.
   const Duration waited = now - parts_.wire().flight().asked.sent_until;

@@ -55,6 +55,9 @@ struct Area {
   // Usual time between two frames in which the device sends the items by itself; no request reads
   // them. Zero: they are requested.
   Duration unsolicited{};
+  // Longest pause behind a write that no response follows; reading back shows its effect. Zero:
+  // every write has a response.
+  Duration unanswered{};
 };
 
 [[nodiscard]] constexpr bool in_one_bank(const Area& area, std::uint32_t first, std::uint32_t end) {
@@ -149,7 +152,7 @@ struct UnsolicitedFrame {
 enum class Wait : std::uint8_t {
   kResponse,     // first byte of a response: the device's timeout, from the end of the transmission
   kRestOfFrame,  // `characters` more: their wire time and a gap allowance, from now
-  kPause,        // calls on_silence() after `pause`
+  kPause,        // calls on_silence() after `pause`; with kSend, no response is expected
 };
 
 struct Step {
@@ -166,6 +169,7 @@ struct Step {
   static Step send(std::size_t response_characters) {
     return {Kind::kSend, Wait::kResponse, static_cast<std::uint32_t>(response_characters)};
   }
+  static Step send_unanswered(Duration pause) { return {Kind::kSend, Wait::kPause, 0, pause}; }
   static Step need_response() { return {Kind::kNeedMore, Wait::kResponse, 0}; }
   static Step need_rest(std::size_t missing) {
     return {Kind::kNeedMore, Wait::kRestOfFrame, static_cast<std::uint32_t>(missing)};

@@ -81,7 +81,9 @@ bool CommandJob::has_plainer_form() const {
 }
 
 void CommandJob::wrote() {
-  if (command_.verify && subjects_.front().readable)
+  const CommandSubject& subject = subjects_.front();
+  const bool silent = area(subject.range).unanswered > Duration::zero();
+  if ((command_.verify || silent) && subject.readable)
     phase_ = Phase::kReadBack;
   else
     finish(CommandState::kDone);

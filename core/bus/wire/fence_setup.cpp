@@ -21,8 +21,9 @@ Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   if (!protocol || device.channels.empty()) return {};
   const bool nameless = (*protocol)->traits().identity == ResponseIdentity::kNone;
   const auto size = (*protocol)->size(ReadRequest{{device.channels.front().range}});
-  return device.timeout * (nameless ? PendingResponses::kLateFactor : 1) + bus.gap_allowance +
-         device.pause + (size ? size->pauses : Duration{});
+  Duration wait = device.timeout * (nameless ? PendingResponses::kLateFactor : 1);
+  for (const Area& area : (*protocol)->areas()) wait = std::max(wait, area.unanswered);
+  return wait + bus.gap_allowance + device.pause + (size ? size->pauses : Duration{});
 }
 
 }  // namespace

@@ -83,7 +83,9 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   Ended ended;
   ended.done = done;
   ended.cause = done ? Cause::kNone : driver_.cause();
-  ended.responded = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
+  ended.unanswered = done && driver_.unanswered();
+  ended.responded = (done && !ended.unanswered) || ended.cause == Cause::kDeviceError ||
+                    ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
   free_at_ = std::max(now, driver_.confirmed_until()) + setup_.silence();

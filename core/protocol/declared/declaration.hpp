@@ -178,6 +178,8 @@ struct Operation {
   std::vector<Operation> before;  // rounds before the request, without areas
   // Usual time between two frames that the device sends by itself; zero: it waits for `request`.
   Duration unsolicited{};
+  // Pause behind a write that has no `response`; zero: it has one.
+  Duration unanswered{};
   // Whether the response of a write can have the bytes of its request.
   [[nodiscard]] bool echoes() const;
   // Baud of the response if its request repeats this code; empty: the usual one. 0: that of the

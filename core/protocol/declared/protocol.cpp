@@ -49,7 +49,10 @@ namespace {
 ResponseIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
-                               [&](const Operation& each) { return in_each_form(each, kind); }) &&
+                               [&](const Operation& each) {
+                                 return each.unanswered > Duration::zero() ||
+                                        in_each_form(each, kind);
+                               }) &&
            std::ranges::all_of(declaration.refusals,
                                [&](const Frame& refusal) { return has(refusal, kind); });
   };
@@ -77,6 +80,7 @@ class DeclaredProtocol final : public Protocol {
           area.unsolicited = operation.unsolicited;
           continue;
         }
+        area.unanswered = std::max(area.unanswered, operation.unanswered);
         if (operation.write)
           area.writable = true, area.max_write = std::max(area.max_write, operation.max_count);
         else
@@ -126,7 +130,8 @@ class DeclaredProtocol final : public Protocol {
     ExchangeSize size{
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
         .response_characters = sizes.response + items(sizes.response_items, operation.response),
-        .rounds = 1 + static_cast<std::uint32_t>(operation.before.size())};
+        .rounds = 1 + static_cast<std::uint32_t>(operation.before.size()),
+        .pauses = operation.unanswered};
     if (sizes.response_baud == 0) return size;
     LineFormat line = line_;
     line.baud = sizes.response_baud;
@@ -160,6 +165,7 @@ class DeclaredProtocol final : public Protocol {
     const auto first = operation_for(earlier), second = operation_for(later);
     if (!first || !second) return true;
     const Operation &a = declaration_->operations[*first], &b = declaration_->operations[*second];
+    if (a.unanswered > Duration::zero() || b.unanswered > Duration::zero()) return false;
     if (in_each_form(a, FieldKind::kCommand) && in_each_form(b, FieldKind::kCommand) &&
         a.command != b.command)
       return false;
