@@ -147,6 +147,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     });
   }
 
+  void change_line(std::uint64_t lease, const telnet::LineChange& change,
+                   const std::function<void(bool)>& done) {
+    if (lease != lease_ || !revoked_ || stopped_) return done(false);
+    port_->change_line(change, done);
+  }
+
   void end_lease(std::uint64_t lease, std::optional<std::string> lost) {
     if (lease != lease_ || !std::exchange(revoked_, {}) || stopped_) return;
     if (lost) {
@@ -214,7 +220,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
     granted(LeasedLine{++lease_, std::move(line),
                        has_line(spec_.port) ? line_of(spec_.port) : LineFormat{},
-                       serial ? std::optional(serial->line) : std::nullopt});
+                       serial ? std::optional(serial->line) : std::nullopt,
+                       std::holds_alternative<Rfc2217PortSpec>(spec_.port)});
   }
 
   void revoke(const std::string& reason) {
@@ -409,6 +416,13 @@ void BusRunner::count_above(std::uint64_t number) {
 void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
   loop_->gate().post([loop = loop_, who = std::move(who), granted = std::move(granted),
                       revoked = std::move(revoked)] { loop->lease(who, granted, revoked); });
+}
+
+void BusRunner::change_line(std::uint64_t lease, const telnet::LineChange& change,
+                            std::function<void(bool)> done) {
+  loop_->gate().post([loop = loop_, lease, change, done = std::move(done)] {
+    loop->change_line(lease, change, done);
+  });
 }
 
 void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) {

@@ -18,6 +18,7 @@
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/read_plan.hpp"
+#include "core/telnet/com_port.hpp"
 
 namespace fieldcast {
 
@@ -56,6 +57,7 @@ struct LeasedLine {
   FileDescriptor line;                 // non-blocking, owned by the session
   LineFormat format{};                 // of the line, as configured
   std::optional<LineFormat> settings;  // of a serial port: the settings that may be changed
+  bool at_server = false;              // BusRunner::change_line() changes the settings
 };
 struct LeaseRefused {
   bool in_use = false;  // by another session; false: the port is not open
@@ -95,6 +97,9 @@ class BusRunner {
   using Granted = std::function<void(tl::expected<LeasedLine, LeaseRefused>)>;
   using Revoked = std::function<void(std::string reason)>;
   void lease(std::string who, Granted granted, Revoked revoked);
+  // See Port::change_line(). `done` is called on the io thread and must only post.
+  void change_line(std::uint64_t lease, const telnet::LineChange& change,
+                   std::function<void(bool done)> done);
   // Call when the session's descriptor is closed. `lost`: reason why the line is no longer usable;
   // the port is then reopened. Has no effect on a lease that was revoked.
   void end_lease(std::uint64_t lease, std::optional<std::string> lost);

@@ -5,6 +5,7 @@
 
 #include <sys/types.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
+#include "core/telnet/com_port.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -59,6 +61,12 @@ class Port {
   [[nodiscard]] virtual FileDescriptor lease() = 0;
   // Restores the configured settings and drops bytes received meanwhile. No effect unless leased.
   virtual void end_lease() = 0;
+  // Of a leased line whose settings a server has. `done` is called once, with false if the value is
+  // not in force; perhaps inside the call.
+  virtual void change_line([[maybe_unused]] const telnet::LineChange& change,
+                           const std::function<void(bool done)>& done) {
+    done(false);
+  }
 
   static constexpr std::size_t kMaxUnsent = 4096;
 };

@@ -18,7 +18,11 @@ class Rfc2217Stream final : public Stream {
 
  private:
   void fetch() override { line_->turn(); }
-  std::optional<End> restore(int) override { return std::nullopt; }
+  // The connection is made anew, which sets the line again.
+  std::optional<End> restore(int) override {
+    if (!line_->changed()) return std::nullopt;
+    return End{"an engineer has set the line; it is opened with the settings of the bus"};
+  }
   End end_of(int error) const override {
     return {line_->reason().empty() ? errno_text(error) : line_->reason()};
   }
@@ -54,11 +58,21 @@ class Rfc2217Opening final : public TcpOpening {
     if (line_) line_->close();
   }
 
+ public:
+  [[nodiscard]] const std::shared_ptr<TelnetLine>& line() const { return line_; }
+
+ private:
   const LineFormat format_;
   std::shared_ptr<TelnetLine> line_;
 };
 
 }  // namespace
+
+void Rfc2217Port::change_line(const telnet::LineChange& change,
+                              const std::function<void(bool)>& done) {
+  const auto line = opening_ ? static_cast<Rfc2217Opening&>(*opening_).line() : nullptr;
+  line ? line->change(change, done) : done(false);
+}
 
 std::shared_ptr<PortOpening> Rfc2217Port::make_opening(PortListener& listener) {
   return std::make_shared<Rfc2217Opening>(io_, spec_, listener);

@@ -9,6 +9,7 @@
 #include <sys/sysmacros.h>
 
 #include <cerrno>
+#include <utility>
 
 #include "bridge/base/file_descriptor.hpp"
 
@@ -173,6 +174,18 @@ std::uint8_t modem_state(int fd) {
   return static_cast<std::uint8_t>(
       ((lines & TIOCM_CAR) != 0 ? 0x80 : 0) | ((lines & TIOCM_RNG) != 0 ? 0x40 : 0) |
       ((lines & TIOCM_DSR) != 0 ? 0x20 : 0) | ((lines & TIOCM_CTS) != 0 ? 0x10 : 0));
+}
+
+std::uint8_t line_errors(int fd, LineErrors& last) {
+  serial_icounter_struct counts{};
+  if (::ioctl(fd, TIOCGICOUNT, &counts) != 0) return 0;
+  const LineErrors before =
+      std::exchange(last, {counts.brk, counts.frame, counts.parity, counts.overrun});
+  constexpr std::uint8_t kOverrun = 0x02, kParity = 0x04, kFraming = 0x08, kBreak = 0x10;
+  return static_cast<std::uint8_t>((counts.overrun != before.overruns ? kOverrun : 0) |
+                                   (counts.parity != before.parity ? kParity : 0) |
+                                   (counts.frame != before.framing ? kFraming : 0) |
+                                   (counts.brk != before.breaks ? kBreak : 0));
 }
 
 void purge(int fd, std::uint32_t what) {

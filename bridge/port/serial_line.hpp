@@ -44,6 +44,14 @@ struct LineRemark {
 // State of the modem lines as in NOTIFY-MODEMSTATE of RFC 2217. Without modem lines: DCD, DSR, CTS.
 [[nodiscard]] std::uint8_t modem_state(int fd);
 
+// The driver's counts since it was loaded.
+struct LineErrors {
+  int breaks = 0, framing = 0, parity = 0, overruns = 0;
+};
+// Bits of NOTIFY-LINESTATE of RFC 2217 for the counts that differ from `last`, which it updates.
+// Zero without a UART.
+[[nodiscard]] std::uint8_t line_errors(int fd, LineErrors& last);
+
 // PURGE-DATA of RFC 2217: 1 received, 2 unsent, 3 both.
 void purge(int fd, std::uint32_t what);
 

@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -50,8 +51,31 @@ void TelnetLine::wait_for_deadline() {
   timer_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
     if (self->over_ || cancelled) return;
     self->client_.on_time(steady_now());
-    if (!self->client_.fault().empty()) self->end({self->client_.fault()});
+    if (!self->client_.fault().empty()) return self->end({self->client_.fault()});
+    self->tell_changed();
   });
+}
+
+void TelnetLine::change(const telnet::LineChange& change, std::function<void(bool)> done) {
+  if (over_ || !opened_) return done(false);
+  while (to_server_.size() < kMaxResponses / 2 && read_line()) {  // what was sent before the change
+  }
+  if (over_) return done(false);
+  client_.change(change, steady_now(), to_server_);
+  changes_.emplace_back(change, std::move(done));
+  wait_for_deadline();
+  turn();
+}
+
+void TelnetLine::tell_changed() {
+  for (const auto& ended : client_.take_changed()) {
+    const auto found =
+        std::ranges::find(changes_, ended.change, [](const auto& change) { return change.first; });
+    if (found == changes_.end()) continue;
+    const auto done = std::move(found->second);
+    changes_.erase(found);
+    done(ended.done);
+  }
 }
 
 void TelnetLine::turn() {
@@ -74,6 +98,7 @@ void TelnetLine::from_server() {
   acknowledge_now(socket_.get());
   if (!client_.fault().empty()) return end({client_.fault()});
   if (client_.open() && !opened_) on_open();
+  tell_changed();
 }
 
 void TelnetLine::on_open() {
@@ -89,11 +114,16 @@ void TelnetLine::on_open() {
 }
 
 void TelnetLine::from_line() {
-  if (!opened_ || client_.suspended() || !to_server_.empty()) return;
+  if (opened_ && !client_.suspended() && to_server_.empty()) (void)read_line();
+}
+
+bool TelnetLine::read_line() {
   std::array<std::uint8_t, kPiece> buffer;
   const ssize_t size = ::read(pair_.get(), buffer.data(), buffer.size());
-  if (size == 0) return close();
-  if (size > 0) telnet::append_data(to_server_, {buffer.data(), static_cast<std::size_t>(size)});
+  if (size == 0) close();
+  if (size <= 0) return false;
+  telnet::append_data(to_server_, {buffer.data(), static_cast<std::size_t>(size)});
+  return true;
 }
 
 void TelnetLine::flush() {
@@ -133,6 +163,7 @@ void TelnetLine::end(Stream::End end) {
 void TelnetLine::close() {
   if (std::exchange(over_, true)) return;
   handlers_ = {};
+  for (const auto& [change, done] : std::exchange(changes_, {})) done(false);
   timer_.cancel();
   server_ready_.close();
   line_ready_.close();

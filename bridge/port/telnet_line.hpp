@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bridge/port/stream.hpp"
 #include "core/telnet/line_client.hpp"
@@ -30,6 +32,11 @@ class TelnetLine : public std::enable_shared_from_this<TelnetLine> {
   void start(Handlers handlers);
   // Moves bytes that have arrived to the other end.
   void turn();
+  // Changes a setting of the opened line. `done` is called later, with false if the value is not in
+  // force.
+  void change(const telnet::LineChange& change, std::function<void(bool done)> done);
+  // Whether a change may have left other settings than the constructor's.
+  [[nodiscard]] bool changed() const { return client_.changes_line(); }
   void close();
   // Reason of the end of an opened line; empty while it is open.
   [[nodiscard]] const std::string& reason() const { return reason_; }
@@ -38,11 +45,13 @@ class TelnetLine : public std::enable_shared_from_this<TelnetLine> {
   void from_server();
   void on_open();
   void from_line();
+  bool read_line();  // false: no more bytes
   void flush();
   void wait();
   enum Wait : unsigned { kServerReads = 1, kServerWrites = 2, kLineReads = 4, kLineWrites = 8 };
   void wait_for(Wait what);
   void wait_for_deadline();
+  void tell_changed();
   void end(Stream::End end);
 
   FileDescriptor socket_, pair_;
@@ -51,6 +60,7 @@ class TelnetLine : public std::enable_shared_from_this<TelnetLine> {
   Handlers handlers_;
   Bytes to_server_, to_line_;
   telnet::LineClient client_;
+  std::vector<std::pair<telnet::LineChange, std::function<void(bool)>>> changes_;
   std::string reason_;
   unsigned waiting_ = 0;  // for each Wait
   bool opened_ = false;

@@ -123,6 +123,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
           lease->bus_lease = line.lease;
           lease->format = line.format;
           lease->settings = line.settings;
+          lease->at_server = line.at_server;
           handlers->granted(std::move(line.line));
         });
   };

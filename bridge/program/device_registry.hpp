@@ -29,6 +29,7 @@ struct DeviceLease {
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number
   LineFormat format;                   // in force, as far as known
   std::optional<LineFormat> settings;  // of a serial port
+  bool at_server = false;              // the bus changes the settings (BusRunner::change_line)
   std::shared_ptr<BusRunner> runner;   // null: a module without a bus
   std::uint64_t bus_lease = 0;         // number of the lease, if a bus grants it
   // the end that sends the last bytes; closed when the lease is revoked

@@ -188,6 +188,8 @@ void EngineerConnection::granted(FileDescriptor line) {
   device_ = std::make_shared<RelayEnd>(std::move(stream));
   since_ = read_clocks().to_utc(steady_now());
   reported_bytes_ = 0;
+  errors_ = {};
+  (void)line_errors(line_, errors_);
   around_.proven(self);
   tell(DeviceGiven{lease_->format});
   if (!device_) return;
@@ -205,18 +207,22 @@ void EngineerConnection::granted(FileDescriptor line) {
 
 void EngineerConnection::execute(const SetLine& what) {
   if (!device_) return;
-  const std::string target = lease_->bus + '/' + lease_->device;
-  if (!lease_->settings)
+  if (!lease_->settings && !lease_->at_server)
     return log_counted(LogLevel::kInfo, "program", "changes of lines",
-                       target + ": behind a network, its line keeps its settings");
-  LineFormat line = *lease_->settings;
+                       fmt::format("{}/{}: behind a network, its line keeps its settings",
+                                   lease_->bus, lease_->device));
+  LineFormat line = lease_->settings.value_or(lease_->format);
   if (what.settings.baud != 0) line.baud = what.settings.baud;
   line.stop_bits = what.settings.stop_bits;
   if (what.settings.data_bits != 0) {
     line.data_bits = what.settings.data_bits;
     line.parity = what.settings.parity;
   }
-  (void)set_line(line);
+  if (!lease_->at_server) return void(set_line(line));
+  for (const telnet::Kind kind : telnet::kSettings) {
+    const std::uint32_t value = value_of(kind, line);
+    if (value != value_of(kind, lease_->format)) change_at_server({kind, value});
+  }
 }
 
 bool EngineerConnection::set_line(const LineFormat& line) {
@@ -234,6 +240,7 @@ bool EngineerConnection::set_line(const LineFormat& line) {
 }
 
 void EngineerConnection::execute(const ChangeLine& what) {
+  if (device_ && lease_->at_server) return change_at_server(what.change);
   tell(LineChanged{what.change, device_ && changed(what.change)});
 }
 
@@ -253,6 +260,20 @@ bool EngineerConnection::changed(const telnet::LineChange& change) {
       if (!set_value(line, change.kind, change.value)) return false;
       return line == lease_->format || (serial && set_line(line));
   }
+}
+
+// The response to the client waits for that of the server.
+void EngineerConnection::change_at_server(const telnet::LineChange& change) {
+  auto done = [weak = weak_from_this(), &io = around_.io, change](bool in_force) {
+    asio::post(io, [weak, change, in_force] {
+      const auto self = weak.lock();
+      if (!self || !self->device_) return;
+      if (in_force && change.kind <= telnet::Kind::kStopBits)
+        (void)set_value(self->lease_->format, change.kind, change.value);
+      self->tell(LineChanged{change, in_force});
+    });
+  };
+  lease_->runner->change_line(lease_->bus_lease, change, std::move(done));
 }
 
 void EngineerConnection::execute(const HoldDevice& what) {
@@ -344,7 +365,7 @@ void EngineerConnection::tick() {
     lost_ = "it no longer responds";
     return tell(DeviceLost{*lost_});
   }
-  if (device_) tell(ModemState{modem_state(line_)});
+  if (device_) tell(LineState{modem_state(line_), line_errors(line_, errors_)});
   const std::uint64_t bytes = bytes_to_device() + bytes_from_device();
   if (device_ && bytes != reported_bytes_) report(ProgramSessionState::kOpen);
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "bridge/port/serial_line.hpp"
 #include "bridge/program/device_registry.hpp"
 #include "bridge/program/module/hooks.hpp"
 #include "bridge/program/module/relay_end.hpp"
@@ -63,6 +64,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   // Returns false, with a line in log and audit, if the driver refuses.
   bool set_line(const LineFormat& line);
   [[nodiscard]] bool changed(const telnet::LineChange& change);
+  void change_at_server(const telnet::LineChange& change);
   [[nodiscard]] std::uint64_t bytes_to_device() const;
   [[nodiscard]] std::uint64_t bytes_from_device() const;
   void report(ProgramSessionState state);
@@ -84,6 +86,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   std::string number_;  // the last requested device number
   UtcTime since_{};
   std::uint64_t reported_bytes_ = 0;
+  LineErrors errors_;  // already reported
   bool held_ = false;  // the client has suspended data
   bool over_ = false;
   bool ended_ = false;      // by the bridge

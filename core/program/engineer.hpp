@@ -68,8 +68,9 @@ struct LineChanged {
   telnet::LineChange change;
   bool done = false;
 };
-struct ModemState {
-  std::uint8_t state = 0;  // as in RFC 2217
+struct LineState {  // as in RFC 2217
+  std::uint8_t modem = 0;
+  std::uint8_t errors = 0;  // since the last event
 };
 struct TimerFired {};
 struct Ended {  // the bridge stops
@@ -77,7 +78,7 @@ struct Ended {  // the bridge stops
 };
 using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused,
                                    FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains,
-                                   DeviceDrains, LineChanged, ModemState, TimerFired, Ended>;
+                                   DeviceDrains, LineChanged, LineState, TimerFired, Ended>;
 
 struct ToClient {
   Bytes bytes;
@@ -153,7 +154,7 @@ class Engineer {
   void handle(const ClientDrains& event, Instant now, Actions& actions);
   void handle(const DeviceDrains& event, Instant now, Actions& actions);
   void handle(const LineChanged&, Instant, Actions&) {}
-  void handle(const ModemState&, Instant, Actions&) {}
+  void handle(const LineState&, Instant, Actions&) {}
   void handle(const TimerFired& event, Instant now, Actions& actions);
   void handle(const Ended& event, Instant now, Actions& actions);
 

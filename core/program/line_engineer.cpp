@@ -204,10 +204,11 @@ void LineEngineer::handle(const LineChanged& event, Instant, Actions& actions) {
   actions.push_back(ToClient{std::move(out)});
 }
 
-void LineEngineer::handle(const ModemState& event, Instant, Actions& actions) {
+void LineEngineer::handle(const LineState& event, Instant, Actions& actions) {
   if (state_ != State::kPaired || !rules_.port->telnet || !server_.com_port()) return;
   Bytes out;
-  server_.on_modem_state(event.state, out);
+  server_.on_modem_state(event.modem, out);
+  server_.on_line_state(event.errors, out);
   if (!out.empty()) actions.push_back(ToClient{std::move(out)});
 }
 

@@ -38,7 +38,7 @@ class LineEngineer {
   void handle(const DeviceRefused& event, Instant now, Actions& actions);
   void handle(const FromDevice& event, Instant now, Actions& actions);
   void handle(const LineChanged& event, Instant now, Actions& actions);
-  void handle(const ModemState& event, Instant now, Actions& actions);
+  void handle(const LineState& event, Instant now, Actions& actions);
   void handle(const DeviceLost& event, Instant now, Actions& actions);
   void handle(const ClientTakes& event, Instant now, Actions& actions);
   void handle(const DeviceTakes& event, Instant now, Actions& actions);

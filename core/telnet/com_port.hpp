@@ -74,6 +74,13 @@ struct Message {
   friend bool operator==(const Message&, const Message&) = default;
 };
 
+// kBaud to kStopBits, kControl or kPurge.
+struct LineChange {
+  Kind kind = Kind::kBaud;
+  std::uint32_t value = 0;
+  friend bool operator==(const LineChange&, const LineChange&) = default;
+};
+
 inline constexpr std::size_t kMaxSignature = 128;  // the rest is cut off
 
 // Appends the frame. A baud rate without one-byte code is sent in four bytes.

@@ -25,7 +25,9 @@ LineClient::LineClient(const LineFormat& line, Instant now, Bytes& to_server)
   options_.request(kComPort, End::kHere, to_server);
 }
 
-Instant LineClient::deadline() const { return state_ < State::kOpen ? deadline_ : kNever; }
+Instant LineClient::deadline() const {
+  return state_ < State::kOpen || !awaited_.empty() ? deadline_ : kNever;
+}
 
 void LineClient::on_bytes(ByteView received, Bytes& data, Bytes& to_server) {
   while (state_ != State::kFailed) {
@@ -77,7 +79,9 @@ void LineClient::on_message(const Message& message, Bytes& to_server) {
     case Kind::kBaud:
     case Kind::kDataBits:
     case Kind::kParity:
-    case Kind::kStopBits: return on_setting(message);
+    case Kind::kStopBits: return changes_ ? on_changed(message) : on_setting(message);
+    case Kind::kControl:
+    case Kind::kPurge: return on_changed(message);
     case Kind::kSuspend: suspended_ = true; return;
     case Kind::kResume: suspended_ = false; return;
     case Kind::kSignature:
@@ -100,8 +104,29 @@ void LineClient::on_setting(const Message& message) {
   if (std::ranges::find(confirmed_, false) == confirmed_.end()) state_ = State::kOpen;
 }
 
+void LineClient::change(const LineChange& change, Instant now, Bytes& to_server) {
+  changes_ = true;
+  if (awaited_.size() == kMaxAwaited) return changed_.push_back({change, false});
+  append_message(to_server, {From::kClient, change.kind, change.value});
+  awaited_.push_back(change);
+  deadline_ = now + kLimit;
+}
+
+void LineClient::on_changed(const Message& message) {
+  const auto change = std::ranges::find(awaited_, message.kind, &LineChange::kind);
+  if (change == awaited_.end()) return;
+  const bool done = message.value == change->value || message.kind == Kind::kPurge;
+  changed_.push_back({*change, done});
+  awaited_.erase(change);
+}
+
 void LineClient::on_time(Instant now) {
   if (now < deadline()) return;
+  if (open()) {
+    for (const LineChange& change : std::exchange(awaited_, {}))
+      changed_.push_back({change, false});
+    return;
+  }
   std::string missing = "agreed on BINARY";
   if (state_ == State::kSetting) {
     const auto at = std::ranges::find(confirmed_, false) - confirmed_.begin();

@@ -14,13 +14,7 @@ namespace fieldcast::telnet {
 struct LineData {
   Bytes bytes;
 };
-// kBaud to kStopBits, kControl, or kPurge: to be executed; then on_changed().
-struct LineChange {
-  Kind kind = Kind::kBaud;
-  std::uint32_t value = 0;
-  friend bool operator==(const LineChange&, const LineChange&) = default;
-};
-// In the order of the client.
+// In the order of the client. A change is to be executed; then on_changed().
 using LineAction = std::variant<LineData, LineChange>;
 using LineActions = std::vector<LineAction>;
 

@@ -65,7 +65,7 @@ void run_one(ByteView data) {
     data = data.subspan(part.size());
     run.tell(FromClient{part});
     run.tell(FromDevice{part});
-    run.tell(ModemState{part[0]});
+    run.tell(LineState{part[0], part[0]});
     run.wait(std::chrono::milliseconds{700});
   }
   run.tell(ClientGone{"end"});

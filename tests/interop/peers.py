@@ -135,6 +135,16 @@ class SerialCable(Cable):
 _asked = itertools.count()
 
 
+def settings_of(path):
+    """Returns baud rate and whether there are two stop bits. A pseudo-terminal ignores data bits and parity."""
+    line = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        settings = fcntl.ioctl(line, TCGETS2, bytes(44))
+    finally:
+        os.close(line)
+    return struct.unpack_from("I", settings, 40)[0], bool(struct.unpack_from("I", settings, 8)[0] & termios.CSTOPB)
+
+
 def free_port():
     """Returns an unused port below the kernel's ephemeral range."""
     for _ in range(12000):

@@ -5,16 +5,13 @@ usage: rfc2217_engineer_test.py BIN_FOLDER
 """
 
 import contextlib
-import fcntl
 import os
 import pty
 import random
 import select
 import socket
-import struct
 import sys
 import tempfile
-import termios
 import threading
 import tty
 import unittest
@@ -22,7 +19,7 @@ import unittest
 import serial
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from peers import DEADLINE, TCGETS2, Program, free_port
+from peers import DEADLINE, Program, free_port, settings_of
 from plant import Plant, claim_domain, running_bridge, wait_until
 
 BIN = ""
@@ -58,16 +55,6 @@ def host_link(text):
     for character in text.encode():
         check ^= character
     return f"{text}{check:02X}*\r".encode()
-
-
-def settings_of(path):
-    """Returns baud rate and whether there are two stop bits. A pseudo-terminal ignores data bits and parity."""
-    line = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        settings = fcntl.ioctl(line, TCGETS2, bytes(44))
-    finally:
-        os.close(line)
-    return struct.unpack_from("I", settings, 40)[0], bool(struct.unpack_from("I", settings, 8)[0] & termios.CSTOPB)
 
 
 def rfc2217(port, **settings):

@@ -13,8 +13,10 @@ import sys
 import tempfile
 import unittest
 
+import serial
+
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from peers import DEADLINE, Program, free_port
+from peers import DEADLINE, Program, free_port, settings_of
 from plant import claim_domain, running_bridge, wait_until
 
 BIN = ""
@@ -62,12 +64,13 @@ class Rfc2217Test(unittest.TestCase):
                                "--address", "0", *more, "DM100"], capture_output=True, text=True, timeout=DEADLINE)
         return done.returncode, done.stdout + done.stderr
 
-    def bridge_reads(self, settings):
-        """Returns the good samples of the bus behind the server."""
+    @contextlib.contextmanager
+    def bridge(self, settings, program="", devices=DEVICES):
+        """A bridge with a bus behind the server; gives a function that waits for good samples."""
         domain, claim = claim_domain()
         with claim:
-            config = self.file("bridge.yaml", f"bridge: b\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n  - name: far\n"
-                               f"    port: {{ rfc2217: 127.0.0.1:{self.port}, {settings} }}\n{DEVICES}")
+            config = self.file("bridge.yaml", f"bridge: b\n{program}dds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n"
+                               f"  - name: far\n    port: {{ rfc2217: 127.0.0.1:{self.port}, {settings} }}\n{devices}")
             log = os.path.join(self.folder, "bridge.log")
             with running_bridge(BIN, config, log):
                 def good():
@@ -75,7 +78,28 @@ class Rfc2217Test(unittest.TestCase):
                                           capture_output=True, text=True, timeout=DEADLINE)
                     samples = [json.loads(line) for line in done.stdout.splitlines()]
                     return [s for s in samples if s["quality"] == "GOOD"]
-                return wait_until(good, DEADLINE, lambda: open(log, encoding="utf-8").read())
+                yield lambda: wait_until(good, DEADLINE, lambda: open(log, encoding="utf-8").read())
+
+    def bridge_reads(self, settings):
+        with self.bridge(settings) as samples:
+            return samples()
+
+    def engineer_sets_the_line(self):
+        def becomes(baud):
+            wait_until(lambda: settings_of(self.line)[0] == baud, DEADLINE, lambda: f"{baud}, but {settings_of(self.line)}")
+        outside = free_port()
+        program = (f"program: {{ engineers: {{ listen: 127.0.0.1:{free_port()}, "
+                   f"ports: [ {{ device: P1, listen: 127.0.0.1:{outside} }} ] }} }}\n")
+        with self.bridge("baud: 115200, format: 7E2", program, DEVICES.replace("name: plc,", "name: plc, number: P1,")) as samples:
+            samples()
+            with serial.serial_for_url(f"rfc2217://127.0.0.1:{outside}", timeout=DEADLINE, baudrate=9600) as port:
+                becomes(9600)
+                port.baudrate = 19200
+                becomes(19200)
+                port.write(b"@00RD0100000156*\r")
+                self.assertRegex(port.read_until(b"\r"), rb"^@00RD00")
+            becomes(115200)
+            samples()
 
     def test_reads_by_pyserial_at_7e2(self):
         self.simulate("baud: 115200, format: 7E2")
@@ -88,6 +112,16 @@ class Rfc2217Test(unittest.TestCase):
         self.simulate("baud: 115200, format: 7E2")
         self.pyserial()
         self.assertEqual(self.bridge_reads("baud: 115200, format: 7E2")[0]["channel"], "level")
+
+    def test_an_engineer_sets_the_line_of_a_server_of_pyserial(self):
+        self.simulate("baud: 115200, format: 7E2")
+        self.pyserial()
+        self.engineer_sets_the_line()
+
+    def test_an_engineer_sets_the_line_of_ser2net(self):
+        self.simulate("baud: 115200, format: 7E2")
+        self.ser2net()
+        self.engineer_sets_the_line()
 
     def test_a_rate_that_is_not_in_force_is_a_fault(self):
         self.simulate("baud: 9600, format: 7E2")

@@ -189,11 +189,26 @@ TEST_F(LineEngineerTest, ReportsModemLinesToAClientOfRfc2217) {
   make(true);
   give();
   said();
-  tell(ModemState{0xB0});
+  tell(LineState{.modem = 0xB0});
   EXPECT_EQ(said(), "");
   send(hex("FF FB 2C"));
-  tell(ModemState{0xB0});
+  tell(LineState{.modem = 0xB0});
   EXPECT_EQ(said(), option("6B BB"));
+}
+
+TEST_F(LineEngineerTest, ReportsErrorsOfTheLineThatTheMaskNames) {
+  make(true);
+  give();
+  send(hex("FF FB 2C"));
+  said();
+  tell(LineState{.errors = 0x0C});
+  EXPECT_EQ(said(), "");  // the mask is empty at first
+  send(hex(option("0A 14")));
+  EXPECT_EQ(said(), option("6E 14"));
+  tell(LineState{.errors = 0x0C});
+  EXPECT_EQ(said(), option("6A 04"));
+  tell(LineState{});
+  EXPECT_EQ(said(), "");
 }
 
 TEST_F(LineEngineerTest, ARefusedDeviceIsNotFreed) {

@@ -73,6 +73,46 @@ TEST_F(LineClientTest, AChangeByOthersIsAFaultAndEndsTheData) {
   EXPECT_EQ(data_, Bytes{0x41});
 }
 
+TEST_F(LineClientTest, AnEngineerChangesTheLineAndIsTold) {
+  using Changed = LineClient::Changed;
+  open();
+  Bytes out;
+  const LineChange baud{Kind::kBaud, 9600}, parity{Kind::kParity, 1};
+  client_.change(baud, kStart, out);
+  client_.change(parity, kStart, out);
+  EXPECT_EQ(to_hex(out), option("01 00 00 25 80") + ' ' + option("03 01"));
+  EXPECT_TRUE(client_.take_changed().empty());
+  receive(hex(option("67 03")));  // the server keeps the parity
+  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{parity, false})});
+  receive(together({"41", option("65 00 00 25 80"), "42"}));
+  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{baud, true})});
+  EXPECT_EQ(client_.deadline(), kNever);
+  EXPECT_EQ(data_, (Bytes{0x41, 0x42}));
+  EXPECT_EQ(client_.fault(), "");
+  EXPECT_TRUE(client_.changes_line());
+}
+
+TEST_F(LineClientTest, AChangeWithoutAResponseIsNotInForce) {
+  open();
+  Bytes out;
+  const LineChange dtr{Kind::kControl, 9};
+  client_.change(dtr, kStart, out);
+  client_.on_time(kStart + LineClient::kLimit - Duration{1});
+  EXPECT_TRUE(client_.take_changed().empty());
+  client_.on_time(client_.deadline());
+  EXPECT_EQ(client_.take_changed(), std::vector{(LineClient::Changed{dtr, false})});
+  EXPECT_TRUE(client_.open());
+  EXPECT_EQ(client_.deadline(), kNever);
+}
+
+TEST_F(LineClientTest, AFloodOfChangesIsBounded) {
+  open();
+  Bytes out;
+  for (std::size_t i = 0; i <= LineClient::kMaxAwaited; ++i)
+    client_.change({Kind::kBaud, 9600}, kStart, out);
+  EXPECT_EQ(client_.take_changed(), std::vector{(LineClient::Changed{{Kind::kBaud, 9600}, false})});
+}
+
 TEST_F(LineClientTest, ARefusalIsAFault) {
   receive(hex("FF FE 2C"));
   EXPECT_EQ(client_.fault(),
