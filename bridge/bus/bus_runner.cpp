@@ -221,7 +221,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     granted(LeasedLine{++lease_, std::move(line),
                        has_line(spec_.port) ? line_of(spec_.port) : LineFormat{},
                        serial ? std::optional(serial->line) : std::nullopt,
-                       std::holds_alternative<Rfc2217PortSpec>(spec_.port)});
+                       std::holds_alternative<Rfc2217PortSpec>(spec_.port), record_.tap()});
   }
 
   void revoke(const std::string& reason) {

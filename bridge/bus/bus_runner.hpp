@@ -58,6 +58,7 @@ struct LeasedLine {
   LineFormat format{};                 // of the line, as configured
   std::optional<LineFormat> settings;  // of a serial port: the settings that may be changed
   bool at_server = false;              // BusRunner::change_line() changes the settings
+  std::shared_ptr<CaptureTap> tap{};   // for the bytes of the session; may be null
 };
 struct LeaseRefused {
   bool in_use = false;  // by another session; false: the port is not open

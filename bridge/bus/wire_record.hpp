@@ -21,6 +21,7 @@ class WireRecord {
 
   void set_trace(bool on) { trace_ = on; }
   void set_tap(std::shared_ptr<CaptureTap> tap) { tap_ = std::move(tap); }
+  [[nodiscard]] const std::shared_ptr<CaptureTap>& tap() const { return tap_; }
   // Returns true if the engine must report how it interprets the bytes.
   [[nodiscard]] bool wanted() const { return trace_ || capturing(); }
 

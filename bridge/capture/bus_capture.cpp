@@ -92,7 +92,7 @@ void BusCapture::give(std::vector<CapturedFrame>& frames) {
         make_upper_pdu(dissector.name, dissector.column, frame.direction, frame.bytes);
     block.clear();
     pcapng::append_packet(block, {frame.at, frame.direction, data, frame.comment});
-    for (CaptureSink* sink : sinks_) sink->packet(block, frame.at);
+    for (CaptureSink* sink : sinks_) sink->packet(block, frame.at, frame.session);
   }
 }
 

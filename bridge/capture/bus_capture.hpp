@@ -63,7 +63,8 @@ class CaptureTap {
 class CaptureSink {
  public:
   virtual ~CaptureSink() = default;
-  virtual void packet(ByteView block, UtcTime at) = 0;
+  // `session`: of a programming session.
+  virtual void packet(ByteView block, UtcTime at, bool session) = 0;
   virtual void lost(std::uint64_t records) = 0;
 };
 

@@ -64,7 +64,7 @@ void CaptureClient::begin(const std::string& name, const Bytes& head, UtcTime no
   send();
 }
 
-void CaptureClient::packet(ByteView block, UtcTime at) {
+void CaptureClient::packet(ByteView block, UtcTime at, bool) {
   if (ending_) return;
   if (waiting_.size() + block.size() > kMaxUnsent) {
     ++counts_.dropped;

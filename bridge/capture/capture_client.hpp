@@ -32,7 +32,7 @@ class CaptureClient final : public CaptureSink, public std::enable_shared_from_t
   // Called when the bus or the bridge ends.
   void end(const std::string& why, UtcTime now);
 
-  void packet(ByteView block, UtcTime at) override;
+  void packet(ByteView block, UtcTime at, bool session) override;
   void lost(std::uint64_t records) override { counts_.dropped += records; }
   [[nodiscard]] const std::string& bus() const { return bus_; }  // empty if none
 

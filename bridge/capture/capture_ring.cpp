@@ -77,7 +77,8 @@ CaptureRing::CaptureRing(std::string bus, CaptureSpec spec,
 
 CaptureRing::~CaptureRing() { end("the capture ended"); }
 
-void CaptureRing::packet(ByteView block, UtcTime at) {
+void CaptureRing::packet(ByteView block, UtcTime at, bool session) {
+  if (spec_.only_sessions && !session) return;
   if (stopped_) {
     ++missed_;
     return;

@@ -52,7 +52,7 @@ class CaptureRing final : public CaptureSink {
   CaptureRing(std::string bus, CaptureSpec spec, std::function<Bytes(const std::string&)> head);
   ~CaptureRing() override;
 
-  void packet(ByteView block, UtcTime at) override;
+  void packet(ByteView block, UtcTime at, bool session) override;
   void lost(std::uint64_t records) override;
   // Checks the free space at most every kLook; may be called more often.
   void look(UtcTime now);

@@ -23,8 +23,9 @@ std::function<void(std::string)> revoker(std::shared_ptr<DeviceLease> lease,
 
 void DeviceRegistry::add(const BusSpec& bus, const std::shared_ptr<BusRunner>& runner) {
   const std::lock_guard lock(mutex_);
-  for (const DeviceSpec& device : bus.devices) {
-    if (!device.number.empty()) targets_[device.number] = {bus.name, device.name, runner};
+  for (std::size_t i = 0; i < bus.devices.size(); ++i) {
+    const DeviceSpec& device = bus.devices[i];
+    if (!device.number.empty()) targets_[device.number] = {bus.name, device.name, runner, i};
   }
   const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);
   if (dial_in && !bus.devices.empty())
@@ -66,6 +67,7 @@ void DeviceRegistry::try_take(const std::shared_ptr<DeviceLease>& lease, Handler
   if (target) {
     lease->bus = target->bus;
     lease->device = target->device;
+    lease->index = target->index;
   }
   if (const auto leased = leases_.find(number); leased != leases_.end()) {
     if (leased->second->leaving.expired() || parked_.size() >= kMaxParked)
@@ -124,6 +126,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
           lease->format = line.format;
           lease->settings = line.settings;
           lease->at_server = line.at_server;
+          lease->tap = line.tap;
           handlers->granted(std::move(line.line));
         });
   };

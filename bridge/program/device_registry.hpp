@@ -30,6 +30,8 @@ struct DeviceLease {
   LineFormat format;                   // in force, as far as known
   std::optional<LineFormat> settings;  // of a serial port
   bool at_server = false;              // the bus changes the settings (BusRunner::change_line)
+  std::shared_ptr<CaptureTap> tap;     // of the bus; null: a module without a bus
+  std::size_t index = 0;               // of the device in its bus
   std::shared_ptr<BusRunner> runner;   // null: a module without a bus
   std::uint64_t bus_lease = 0;         // number of the lease, if a bus grants it
   // the end that sends the last bytes; closed when the lease is revoked
@@ -67,6 +69,7 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
   struct Target {
     std::string bus, device;
     std::shared_ptr<BusRunner> runner;
+    std::size_t index = 0;  // of the device in its bus
   };
   [[nodiscard]] std::optional<Target> find(const std::string& number) const;
   void try_take(const std::shared_ptr<DeviceLease>& lease, Handlers handlers);

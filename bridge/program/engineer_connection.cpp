@@ -143,7 +143,9 @@ void EngineerConnection::tell(const EngineerEvent& event) {
 void EngineerConnection::execute(const ToClient& what) { client_->send(what.bytes); }
 
 void EngineerConnection::execute(const ToDevice& what) {
-  if (device_) device_->send(what.bytes);
+  if (!device_) return;
+  capture(Direction::kSent, what.bytes);
+  device_->send(what.bytes);
 }
 
 void EngineerConnection::execute(const CheckLogin& what) {
@@ -193,7 +195,10 @@ void EngineerConnection::granted(FileDescriptor line) {
   around_.proven(self);
   tell(DeviceGiven{lease_->format});
   if (!device_) return;
-  device_->start({[self](ByteView bytes) { self->tell(FromDevice{bytes}); },
+  device_->start({[self](ByteView bytes) {
+                    self->capture(Direction::kReceived, bytes);
+                    self->tell(FromDevice{bytes});
+                  },
                   [self](const std::string& reason) {
                     self->lost_ = reason;
                     self->tell(DeviceLost{reason});
@@ -203,6 +208,17 @@ void EngineerConnection::granted(FileDescriptor line) {
                     self->tell(DeviceTakes{room});
                   }});
   report(ProgramSessionState::kOpen);
+}
+
+void EngineerConnection::capture(Direction direction, ByteView bytes) const {
+  if (!lease_->tap || !lease_->tap->wanted()) return;
+  const bool sent = direction == Direction::kSent;
+  lease_->tap->put({.kind = sent ? CaptureRecord::Kind::kSent : CaptureRecord::Kind::kReceived,
+                    .at = read_clocks().to_utc(steady_now()),
+                    .device = lease_->index,
+                    .bytes = Bytes(bytes.begin(), bytes.end()),
+                    .text = sent ? "programming session of " + who() : "",
+                    .session = true});
 }
 
 void EngineerConnection::execute(const SetLine& what) {

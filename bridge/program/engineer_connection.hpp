@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "bridge/capture/bus_capture.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "bridge/program/device_registry.hpp"
 #include "bridge/program/module/hooks.hpp"
@@ -32,7 +33,11 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
                      const EngineerRules& rules, LoginProof proof = LoginProof::kPassword);
 
   void start();
-  // Called when the bridge stops: notifies the client and frees the device.
+  [[nodiscard]] bool programs(const std::string& bus, const std::string& device) const {
+    return device_ && lease_->bus == bus && lease_->device == device;
+  }
+  // Called when the bridge stops or an operator ends the session: notifies the client and frees the
+  // device.
   void end(const std::string& reason);
   // Ends an unauthenticated connection in favour of new ones, without a line in log and audit.
   void displace();
@@ -65,6 +70,8 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   bool set_line(const LineFormat& line);
   [[nodiscard]] bool changed(const telnet::LineChange& change);
   void change_at_server(const telnet::LineChange& change);
+  // For a capture of the bus.
+  void capture(Direction direction, ByteView bytes) const;
   [[nodiscard]] std::uint64_t bytes_to_device() const;
   [[nodiscard]] std::uint64_t bytes_from_device() const;
   void report(ProgramSessionState state);

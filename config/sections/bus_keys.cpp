@@ -118,6 +118,9 @@ const Rows<CaptureSpec>& capture_rows() {
                 &CaptureSpec::file_bytes, kFileSize),
           field({"files", "10", "how many are kept; beyond it the oldest goes"},
                 &CaptureSpec::files, WholeRule{2, kMaxCaptureFiles}),
+          field({"only-sessions", "false",
+                 "only the bytes of programming sessions are written, in both directions"},
+                &CaptureSpec::only_sessions, FlagRule{}),
       },
       "Files of a capture, one after the other: [docs/wireshark.md](../docs/wireshark.md).");
   return rows;

@@ -27,15 +27,7 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
       std::exchange(response_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
     return;
   switch (record.kind) {
-    case CaptureRecord::Kind::kSent:
-      give_request(out);
-      give_response(out);
-      device_ = record.device;
-      in_flight_ = true;
-      echo_ = record.bytes;
-      request_ = CapturedFrame{record.at, Direction::kSent, device_, std::move(record.bytes),
-                               std::move(record.text)};
-      return;
+    case CaptureRecord::Kind::kSent: return take_sent(std::move(record), out);
     case CaptureRecord::Kind::kReceived: return take_received(std::move(record), out);
     case CaptureRecord::Kind::kRemark: return remark(record.text, out);
     case CaptureRecord::Kind::kEnded:
@@ -47,18 +39,40 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
   }
 }
 
+void FrameGatherer::take_sent(CaptureRecord record, std::vector<CapturedFrame>& out) {
+  const bool continues = record.session && request_ && request_->session &&
+                         record.at.nanoseconds - request_->at.nanoseconds <= kQuiet.count() &&
+                         request_->bytes.size() + record.bytes.size() <= kMaxFrame;
+  if (continues) {
+    request_->at = record.at;
+    append(request_->bytes, record.bytes);
+    append(echo_, record.bytes);
+    return;
+  }
+  give_request(out);
+  give_response(out);
+  device_ = record.device;
+  in_flight_ = !record.session;
+  echo_ = record.bytes;
+  request_ = CapturedFrame{
+      record.at,     Direction::kSent, device_, std::move(record.bytes), std::move(record.text),
+      record.session};
+}
+
 void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFrame>& out) {
   give_request(out);
   if (response_ && !in_flight_ &&
       record.at.nanoseconds - response_->at.nanoseconds > kQuiet.count())
     give_response(out);
-  if (!response_) response_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
+  if (!response_)
+    response_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}, record.session};
   response_->at = record.at;
   append(response_->bytes, record.bytes);
   // Equal bytes alone may be the response of a device that repeats the request.
   if (!echo_.empty() && response_->bytes.size() > echo_.size() &&
       std::equal(echo_.begin(), echo_.end(), response_->bytes.begin())) {
-    give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)"},
+    give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)",
+          record.session},
          out);
     response_->bytes.erase(response_->bytes.begin(),
                            response_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));
@@ -94,8 +108,12 @@ void FrameGatherer::lost(std::uint64_t records, std::vector<CapturedFrame>& out)
 }
 
 void FrameGatherer::look(UtcTime now, std::vector<CapturedFrame>& out) {
-  if (in_flight_ || !response_) return;
-  if (now.nanoseconds - response_->at.nanoseconds > kQuiet.count()) give_response(out);
+  const auto quiet = [&](const std::optional<CapturedFrame>& frame) {
+    return frame && now.nanoseconds - frame->at.nanoseconds > kQuiet.count();
+  };
+  if (in_flight_) return;
+  if (quiet(request_)) give_request(out);
+  if (quiet(response_)) give_response(out);
 }
 
 void FrameGatherer::flush(std::vector<CapturedFrame>& out) {

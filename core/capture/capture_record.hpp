@@ -24,6 +24,8 @@ struct CaptureRecord {
   std::size_t device = 0;  // kSent: index in the bus's list
   Bytes bytes;
   std::string text;
+  // Bytes of an engineer to whom the line is leased, in pieces, or bytes for that engineer.
+  bool session = false;
 };
 
 enum class Direction : std::uint8_t { kSent, kReceived };
@@ -34,6 +36,7 @@ struct CapturedFrame {
   std::size_t device = 0;  // last polled device
   Bytes bytes;             // never empty
   std::string comment;     // text lines; may be empty
+  bool session = false;
 };
 
 // Builds frames from the records of a bus: joins the pieces of a response, separates an echo, and
@@ -43,7 +46,7 @@ class FrameGatherer {
  public:
   static constexpr std::size_t kMaxFrame = 16384;   // bytes; longer data become several frames
   static constexpr std::size_t kMaxComment = 1000;  // bytes; longer comments are cut
-  // Unsolicited bytes form one frame until this silence.
+  // Unsolicited bytes, and those of a programming session, form one frame until this silence.
   static constexpr Duration kQuiet = std::chrono::milliseconds{50};
 
   void take(CaptureRecord record, std::vector<CapturedFrame>& out);
@@ -53,6 +56,7 @@ class FrameGatherer {
   void flush(std::vector<CapturedFrame>& out);
 
  private:
+  void take_sent(CaptureRecord record, std::vector<CapturedFrame>& out);
   void take_received(CaptureRecord record, std::vector<CapturedFrame>& out);
   void remark(const std::string& text, std::vector<CapturedFrame>& out);
   void give_request(std::vector<CapturedFrame>& out);

@@ -43,6 +43,7 @@ struct CaptureSpec {
   std::string folder;
   std::uint64_t file_bytes = 10'000'000;
   std::uint32_t files = 10;
+  bool only_sessions = false;  // programming sessions alone
   friend bool operator==(const CaptureSpec&, const CaptureSpec&) = default;
 };
 

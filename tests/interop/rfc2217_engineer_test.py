@@ -5,11 +5,13 @@ usage: rfc2217_engineer_test.py BIN_FOLDER
 """
 
 import contextlib
+import glob
 import os
 import pty
 import random
 import select
 import socket
+import subprocess
 import sys
 import tempfile
 import threading
@@ -36,6 +38,7 @@ buses:
   - name: line
     port: { serial: {run}/line, baud: 115200, format: 7E2, exclusive: false }
     protocol: omron-hostlink
+    capture: { folder: {run}, only-sessions: true }
     devices:
       - { name: plc, number: P1, address: 0, channels: [ { name: level, at: DM100, type: uint16, refresh: 200ms } ] }
 """
@@ -74,6 +77,24 @@ def read_line(lines):
             raise EOFError(f"closed after {read}")
         read += byte
     return read
+
+
+@contextlib.contextmanager
+def spare_plc(folder, address=0):
+    """A second simulated PLC; gives its line."""
+    line, path = os.path.join(folder, "spare"), os.path.join(folder, "spare.yaml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("bridge: spare\nbuses:\n  - name: spare\n    port: { serial: " + line + ", baud: 115200, format: 7E2 }\n"
+                   "    protocol: omron-hostlink\n    devices: [ { name: plc, address: " + str(address) +
+                   ", channels: [ { name: level, at: DM100, type: uint16 } ] } ]\n")
+    with Program(os.path.join(BIN, "fieldcast-sim"), path):
+        wait_until(lambda: os.path.exists(line), DEADLINE, "the line of the spare PLC is missing")
+        yield line
+
+
+def replay(file, line, *options):
+    done = subprocess.run([os.path.join(BIN, "fieldcast"), "replay", file, line, *options], capture_output=True, text=True, timeout=6 * DEADLINE)
+    return done.returncode, done.stdout + done.stderr
 
 
 SEVEN_E_TWO = {"baudrate": 115200, "bytesize": 7, "parity": "E", "stopbits": 2}
@@ -118,6 +139,27 @@ class PlcTest(unittest.TestCase):
         row = self.ended("ended: the client disconnected")
         self.assertEqual((row["bytes_to_device"], row["bytes_from_device"], row["target"]), (sent, received, "line/plc"))
         self.assertIn("paired, RFC 2217", str(self.plant.cli("audit", "--json").out))
+
+    def test_a_recorded_session_can_be_inspected_and_repeated(self):
+        before = set(glob.glob(os.path.join(self.plant.run, "line-*.pcapng")))
+        with rfc2217(self.ports["telnet"], **SEVEN_E_TWO) as port:
+            self.program(port.write, lambda: port.read_until(b"\r"))
+        self.ended("ended: the client disconnected")
+
+        def explained():
+            files = set(glob.glob(os.path.join(self.plant.run, "line-*.pcapng"))) - before
+            return [done for done in [self.plant.cli("inspect", *files)] if "240 frames, 0 with a fault" in done.err] if files else []
+        done = wait_until(explained, DEADLINE, "no file with 240 frames")[0]
+        self.assertIn("programming session of 127.0.0.1:", done.out)
+        file, = set(glob.glob(os.path.join(self.plant.run, "line-*.pcapng"))) - before
+        with spare_plc(self.plant.run) as line:
+            self.assertEqual(replay(file, line), (0, "120 requests, 0 with another response\n"))
+        with spare_plc(self.plant.run, address=1) as line:  # another node does not respond
+            code, said = replay(file, line, "--timeout", "20ms")
+            self.assertEqual(code, 1)
+            self.assertIn("120 requests, 120 with another response\n", said)
+            self.assertIn("request 1: 40 30 30 57 44", said)
+            self.assertIn("  received  nothing\n", said)
 
     def test_programs_by_raw_bytes(self):
         with socket.create_connection(("127.0.0.1", self.ports["raw"]), DEADLINE) as peer, peer.makefile("rb") as lines:

@@ -91,10 +91,21 @@ class CaptureRingTest : public testing::Test {
 
 TEST_F(CaptureRingTest, AFullFileIsFollowedByTheNextAndTheOldestGoes) {
   const auto all = ring(10'000, 2);
-  for (int i = 0; i < 12; ++i) all->packet(block(4000), {kNoon + i * kSecond});
+  for (int i = 0; i < 12; ++i) all->packet(block(4000), {kNoon + i * kSecond}, false);
   EXPECT_THAT(names(), ElementsAre("line-20231114T221328Z.pcapng", "line-20231114T221330Z.pcapng"));
   EXPECT_EQ(read_file(folder_ + "/" + names()[0]).packets, 2u);
   EXPECT_TRUE(read_file(folder_ + "/" + names()[0]).whole);
+}
+
+TEST_F(CaptureRingTest, OfSessionsAloneNothingElseIsWritten) {
+  CaptureRing sessions("line", {.folder = folder_, .only_sessions = true},
+                       [this](const std::string& remark) { return capture_.head(remark); });
+  sessions.packet(block(400), {kNoon}, false);
+  EXPECT_TRUE(names().empty());
+  sessions.packet(block(400), {kNoon + kSecond}, true);
+  sessions.packet(block(400), {kNoon + 2 * kSecond}, false);
+  EXPECT_THAT(names(), ElementsAre("line-20231114T221321Z.pcapng"));
+  EXPECT_EQ(read_file(folder_ + "/" + names()[0]).packets, 1u);
 }
 
 TEST_F(CaptureRingTest, FilesOfOthersStay) {
@@ -103,7 +114,7 @@ TEST_F(CaptureRingTest, FilesOfOthersStay) {
     std::ofstream(folder_ + "/" + other) << "x";
   std::ofstream(folder_ + "/line-20200101T000000Z.pcapng") << "x";
   const auto all = ring(10'000, 1);
-  all->packet(block(400), {kNoon});
+  all->packet(block(400), {kNoon}, false);
   EXPECT_THAT(names(),
               ElementsAre("line-2-20200101T000000Z.pcapng", "line-20200101T000000Z.pcapng.gz",
                           "line-20231114T221320Z.pcapng", "line-notes.pcapng", "line.pcapng"));
@@ -112,7 +123,7 @@ TEST_F(CaptureRingTest, FilesOfOthersStay) {
 TEST_F(CaptureRingTest, NothingIsWrittenOverAndAFileIsForItsOwnerOnly) {
   std::ofstream(folder_ + "/line-20231114T221320Z.pcapng") << "mine";
   const auto all = ring(10'000, 5);
-  all->packet(block(400), {kNoon});
+  all->packet(block(400), {kNoon}, false);
   EXPECT_THAT(names(),
               ElementsAre("line-20231114T221320Z-0002.pcapng", "line-20231114T221320Z.pcapng"));
   EXPECT_EQ(std::filesystem::file_size(folder_ + "/line-20231114T221320Z.pcapng"), 4u);
@@ -123,40 +134,40 @@ TEST_F(CaptureRingTest, NothingIsWrittenOverAndAFileIsForItsOwnerOnly) {
 
 TEST_F(CaptureRingTest, AClockThatWentBackTakesOlderFilesAndNotTheNewOne) {
   const auto all = ring(10'000, 2);
-  for (int i = 0; i < 2; ++i) all->packet(block(6000), {kNoon + i * kSecond});
+  for (int i = 0; i < 2; ++i) all->packet(block(6000), {kNoon + i * kSecond}, false);
   constexpr std::int64_t kEarly = 86'400 * kSecond;  // a clock without a battery
-  all->packet(block(6000), {kEarly});
+  all->packet(block(6000), {kEarly}, false);
   EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-20231114T221321Z.pcapng"));
-  all->packet(block(6000), {kEarly + kSecond});
+  all->packet(block(6000), {kEarly + kSecond}, false);
   EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-19700102T000001Z.pcapng"));
-  all->packet(block(6000), {kNoon});  // the clock is correct again
+  all->packet(block(6000), {kNoon}, false);  // the clock is correct again
   EXPECT_THAT(names(), ElementsAre("line-19700102T000001Z.pcapng", "line-20231114T221320Z.pcapng"));
 }
 
 TEST_F(CaptureRingTest, ManyFilesOfOneSecondStayInTheirOrder) {
   const auto all = ring(10'000, 2);
-  for (int i = 0; i < 5; ++i) all->packet(block(6000), {kNoon + i});
+  for (int i = 0; i < 5; ++i) all->packet(block(6000), {kNoon + i}, false);
   EXPECT_THAT(names(), ElementsAre("line-20231114T221320Z-0004.pcapng",
                                    "line-20231114T221320Z-0005.pcapng"));
 }
 
 TEST_F(CaptureRingTest, AFileThatSomebodyDeletesIsFollowedByTheNext) {
   const auto all = ring(10'000, 2);
-  all->packet(block(400), {kNoon});
+  all->packet(block(400), {kNoon}, false);
   std::filesystem::remove(folder_ + "/" + names().front());
   all->look({kNoon + 1 * kSecond});
-  all->packet(block(400), {kNoon + 2 * kSecond});
+  all->packet(block(400), {kNoon + 2 * kSecond}, false);
   EXPECT_THAT(names(), ElementsAre("line-20231114T221322Z.pcapng"));
 }
 
 TEST_F(CaptureRingTest, AMissingFolderIsWaitedFor) {
   std::filesystem::remove(folder_);
   const auto all = ring(10'000, 2);
-  all->packet(block(400), {kNoon});
+  all->packet(block(400), {kNoon}, false);
   all->look({kNoon + 1 * kSecond});
   std::filesystem::create_directory(folder_);
   all->look({kNoon + 2 * kSecond});
-  all->packet(block(400), {kNoon + 3 * kSecond});
+  all->packet(block(400), {kNoon + 3 * kSecond}, false);
   EXPECT_THAT(names(), ElementsAre("line-20231114T221323Z.pcapng"));
 }
 
@@ -198,13 +209,13 @@ TEST_F(CaptureRingTest, WhatDoesNotFitIsTakenBackSoThatTheFileIsWhole) {
 
 TEST_F(CaptureRingTest, AFullDiskStopsItAndItGoesOnWhenThereIsSpace) {
   const auto all = ring(100'000, 5);
-  all->packet(block(1000), {kNoon});
+  all->packet(block(1000), {kNoon}, false);
   {
     const SmallFiles limit(2000);
-    for (int i = 1; i < 5; ++i) all->packet(block(1000), {kNoon + i});
+    for (int i = 1; i < 5; ++i) all->packet(block(1000), {kNoon + i}, false);
   }
   all->look({kNoon + 1 * kSecond});
-  all->packet(block(1000), {kNoon + 2 * kSecond});
+  all->packet(block(1000), {kNoon + 2 * kSecond}, false);
   ASSERT_EQ(names().size(), 2u);
   EXPECT_TRUE(read_file(folder_ + "/" + names()[0]).whole);
   EXPECT_EQ(read_file(folder_ + "/" + names()[1]).packets, 1u);

@@ -14,6 +14,9 @@ class FrameGathererTest : public testing::Test {
   void take(Kind kind, std::int64_t at, const std::string& hex, const std::string& text = {}) {
     gatherer_.take({kind, ms(at), 0, *from_hex(hex), text}, frames_);
   }
+  void take_session(Kind kind, std::int64_t at, const std::string& hex) {
+    gatherer_.take({kind, ms(at), 0, *from_hex(hex), "by anna", true}, frames_);
+  }
   void take_text(Kind kind, std::int64_t at, const std::string& text = {}) {
     gatherer_.take({kind, ms(at), 0, {}, text}, frames_);
   }
@@ -52,6 +55,21 @@ TEST_F(FrameGathererTest, EachRoundOfAnExchangeIsAFrameOfItsOwn) {
   take(Kind::kReceived, 9, "68 02");
   take_text(Kind::kEnded, 9);
   EXPECT_EQ(frames(), "0 > 68\n5 < E5\n6 > 10\n9 < 68 02\n");
+}
+
+// Programming software writes a request in pieces, and nobody says where it ends.
+TEST_F(FrameGathererTest, PiecesOfASessionInOneDirectionAreOneFrame) {
+  take_session(Kind::kSent, 0, "40 30");
+  take_session(Kind::kSent, 3, "30 0D");
+  take_session(Kind::kReceived, 20, "40 30");
+  take_session(Kind::kReceived, 40, "0D");
+  take_session(Kind::kSent, 60, "40");
+  take_session(Kind::kSent, 111, "41");  // 50 ms later
+  gatherer_.look(ms(161), frames_);
+  EXPECT_EQ(frames(), "3 > 40 30 30 0D [by anna]\n40 < 40 30 0D\n60 > 40 [by anna]\n");
+  gatherer_.look(ms(162), frames_);
+  EXPECT_EQ(frames_.size(), 4u);
+  EXPECT_TRUE(frames_.back().session);
 }
 
 // The bus reports after each piece that no response is awaited.

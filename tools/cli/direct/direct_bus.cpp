@@ -141,8 +141,6 @@ std::optional<CommandResult> DirectBus::run(fieldcast::Command command,
 
 namespace {
 
-constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;
-
 constexpr std::string_view kUdp = "udp:", kTls = "tls:", kRfc2217 = "rfc2217:";
 bool is_rfc2217(std::string_view port) { return port.starts_with(kRfc2217); }
 bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }

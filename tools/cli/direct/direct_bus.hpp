@@ -55,6 +55,8 @@ struct DirectRun {
                                      std::ostream& err,
                                      const std::function<ExitCode(DirectBus& bus)>& work);
 
+inline constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;  // for --baud
+
 // Port and protocol on the command line: `fieldcast read /dev/ttyUSB0 --baud 9600 --format 8N1
 // --address 3 holding:100`.
 struct LineOptions {

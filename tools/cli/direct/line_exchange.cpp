@@ -49,7 +49,7 @@ std::optional<std::string> LineCapture::end() {
   return fault_.empty() ? std::nullopt : std::optional("--capture: " + fault_);
 }
 
-void LineCapture::packet(ByteView block, UtcTime) {
+void LineCapture::packet(ByteView block, UtcTime, bool) {
   append(block);
   if (fault_.empty()) ++counts_.frames;
 }

@@ -39,7 +39,7 @@ class LineCapture final : private CaptureSink {
  private:
   LineCapture(CaptureFile file, const BusSpec& bus, const std::string& command);
 
-  void packet(ByteView block, UtcTime at) override;
+  void packet(ByteView block, UtcTime at, bool session) override;
   void lost(std::uint64_t records) override { counts_.dropped += records; }
   void append(ByteView blocks);
 

@@ -71,9 +71,10 @@ template <typename Options>
 // Each is defined in the file of its command.
 CommandRow watch_command(), write_command(), acquire_command(), status_command(),
     sessions_command(), plan_command(), inspect_command(), scan_command(), read_command(),
-    poke_command(), sim_check_command(), history_command(), devices_command(), audit_command(),
-    user_command(), token_command(), alarms_command(), doctor_command(), secure_command(),
-    standby_command(), module_command(), import_command(), capture_command(), health_command();
+    poke_command(), replay_command(), sim_check_command(), history_command(), devices_command(),
+    audit_command(), user_command(), token_command(), alarms_command(), doctor_command(),
+    secure_command(), standby_command(), module_command(), import_command(), capture_command(),
+    health_command();
 
 [[nodiscard]] std::span<const CommandRow> commands();
 
