@@ -14,7 +14,11 @@ Bridge::Bridge()
         log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
       }),
       program_(program_hooks(), modules_),
-      commands_(router_, audit_, alarms_, lease_, roles_) {}
+      commands_(
+          router_, audit_, alarms_, lease_, roles_,
+          [this](const std::string& bus, const std::string& device, const std::string& reason) {
+            return program_.end_session(bus, device, reason);
+          }) {}
 
 Bridge::OpenStore::OpenStore(const StoreSpec& spec, AlarmTable& alarms)
     : store(spec, [&alarms](Store& known, const KeptAlarms& kept) { alarms.loaded(known, kept); }),

@@ -37,7 +37,14 @@ AlarmOutcome AlarmActions::act(const AlarmAction& action, UtcTime now) {
           AlarmRefusal{Cause::kDuplicate, "this requester used this request_id before"});
     }
   }
-  return alarms_.act(action, now);
+  if (action.kind != AlarmActionKind::kEndSession) return alarms_.act(action, now);
+  if (action.by.empty())
+    return tl::unexpected(AlarmRefusal{Cause::kRange, "it must say who does it"});
+  const std::string reason =
+      fmt::format("ended by {}{}", action.by, action.note.empty() ? "" : ": " + action.note);
+  if (!end_session_ || !end_session_(action.alarm.bus, action.alarm.device, reason))
+    return tl::unexpected(AlarmRefusal{Cause::kWrongState, "nobody programs the device"});
+  return {};
 }
 
 CommandResult AlarmActions::take(const AlarmAction& action, const UtcMapping& now) {

@@ -1,8 +1,11 @@
-// Actions of users on alarms, received from DDS: refuses duplicates, applies the action, and writes
+// Actions of users on alarms and on programming sessions, received from DDS: refuses duplicates, applies the action, and writes
 // it to audit and log. Every action ends immediately in exactly one result. Any thread.
 #pragma once
 
+#include <functional>
 #include <mutex>
+#include <string>
+#include <utility>
 
 #include "bridge/alarm/alarm_table.hpp"
 #include "bridge/store/command_audit.hpp"
@@ -13,8 +16,12 @@ namespace fieldcast {
 
 class AlarmActions {
  public:
-  // Both must outlive this object.
-  AlarmActions(AlarmTable& alarms, CommandAudit& audit) : alarms_(alarms), audit_(audit) {}
+  // Ends the programming session of a device; `reason` is for the engineer. False: there is none.
+  using EndSession = std::function<bool(const std::string& bus, const std::string& device,
+                                        const std::string& reason)>;
+  // Both references must outlive this object. Without `end_session` there are no sessions.
+  AlarmActions(AlarmTable& alarms, CommandAudit& audit, EndSession end_session = {})
+      : alarms_(alarms), audit_(audit), end_session_(std::move(end_session)) {}
 
   [[nodiscard]] CommandResult take(const AlarmAction& action, const UtcMapping& now);
   // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
@@ -25,6 +32,7 @@ class AlarmActions {
 
   AlarmTable& alarms_;
   CommandAudit& audit_;
+  const EndSession end_session_;
   std::mutex mutex_;
   CommandLedger ledger_;
 };

@@ -28,10 +28,15 @@ namespace fieldcast {
 
 class CommandService {
  public:
-  // All must outlive this object.
+  // All references must outlive this object.
   CommandService(CommandRouter& router, CommandAudit& audit, AlarmTable& alarms,
-                 const MasterLease& lease, RoleThread& roles)
-      : router_(router), audit_(audit), actions_(alarms, audit), lease_(lease), roles_(roles) {}
+                 const MasterLease& lease, RoleThread& roles,
+                 AlarmActions::EndSession end_session = {})
+      : router_(router),
+        audit_(audit),
+        actions_(alarms, audit, std::move(end_session)),
+        lease_(lease),
+        roles_(roles) {}
 
   // Call join() first, only in a standby group. They outlive close(). `identities` may be null.
   void join(StandbyGroup& group);

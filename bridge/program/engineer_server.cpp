@@ -126,6 +126,16 @@ void EngineerServer::tick() {
   });
 }
 
+bool EngineerServer::end_session(const std::string& bus, const std::string& device,
+                                 const std::string& reason) {
+  const auto found = std::ranges::find_if(
+      clients_, [&](const auto& client) { return client->programs(bus, device); });
+  if (found == clients_.end()) return false;
+  const auto client = *found;  // end() may remove it from the set
+  client->end(reason);
+  return true;
+}
+
 void EngineerServer::close(const std::string& reason, std::function<void()> done) {
   closing_ = true;
   listener_.close();

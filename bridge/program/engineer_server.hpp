@@ -42,6 +42,8 @@ class EngineerServer {
   // The error is one line: the reason why no client can connect.
   [[nodiscard]] tl::expected<void, std::string> listen();
   [[nodiscard]] std::uint16_t port() const;  // that it listens on
+  // Ends the session of the device. False: no client of this port has it.
+  bool end_session(const std::string& bus, const std::string& device, const std::string& reason);
   // Ends every pairing; calls `done` when the last client has disconnected, after 2 s at most.
   void close(const std::string& reason, std::function<void()> done);
 

@@ -132,6 +132,16 @@ std::vector<LeasedDevice> Server::leased() const {
   return all;
 }
 
+bool Server::end_session(const std::string& bus, const std::string& device,
+                         const std::string& reason) {
+  bool ended = false;
+  state_->io.run([&] {
+    for (const auto& engineers : state_->engineers)
+      ended = engineers->end_session(bus, device, reason) || ended;
+  });
+  return ended;
+}
+
 void Server::add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner) {
   if (state_->devices) state_->devices->add(bus, runner);
   state_->buses.insert_or_assign(bus.name, std::pair{bus, std::move(runner)});

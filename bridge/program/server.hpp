@@ -48,6 +48,9 @@ class Server {
   void stop(Modules modules = Modules::kLetGo);
 
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
+  // Takes the device back; the engineer's client and the audit get the reason. False: nobody has it.
+  // Any thread but that of the hooks.
+  bool end_session(const std::string& bus, const std::string& device, const std::string& reason);
 
   // Adds the devices of a bus, also before start(). Remove it before its runner stops.
   void add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner);

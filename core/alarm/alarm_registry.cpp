@@ -219,7 +219,8 @@ AlarmOutcome AlarmRegistry::act_on_alarm(const AlarmAction& action, UtcTime now)
       break;
     }
     case AlarmActionKind::kMaintenance:
-    case AlarmActionKind::kEndMaintenance: break;  // handled in act_on_device()
+    case AlarmActionKind::kEndMaintenance:
+    case AlarmActionKind::kEndSession: break;  // handled in act_on_device(), or before
   }
   changed(alarm);
   return {};

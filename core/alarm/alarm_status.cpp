@@ -104,6 +104,7 @@ std::string_view to_text(AlarmActionKind kind) {
     case AlarmActionKind::kUnshelve: return "unshelve";
     case AlarmActionKind::kMaintenance: return "maintenance";
     case AlarmActionKind::kEndMaintenance: return "end maintenance";
+    case AlarmActionKind::kEndSession: return "end programming session";
   }
   return "?";
 }

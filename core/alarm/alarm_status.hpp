@@ -116,10 +116,11 @@ enum class AlarmActionKind : std::uint8_t {
   kUnshelve,
   kMaintenance,  // of a device: suppresses its alarms
   kEndMaintenance,
+  kEndSession,  // of a device: takes it back from the engineer who programs it
 };
 [[nodiscard]] std::string_view to_text(AlarmActionKind kind);  // "acknowledge", ...
 [[nodiscard]] constexpr bool is_of_device(AlarmActionKind kind) {
-  return kind == AlarmActionKind::kMaintenance || kind == AlarmActionKind::kEndMaintenance;
+  return kind >= AlarmActionKind::kMaintenance;
 }
 
 struct AlarmAction {

@@ -145,6 +145,7 @@ constexpr std::optional<idl::AlarmActionKind> idl_of(AlarmActionKind value) {
     case AlarmActionKind::kUnshelve: return idl::AlarmActionKind::ACTION_UNSHELVE;
     case AlarmActionKind::kMaintenance: return idl::AlarmActionKind::ACTION_MAINTENANCE;
     case AlarmActionKind::kEndMaintenance: return idl::AlarmActionKind::ACTION_END_MAINTENANCE;
+    case AlarmActionKind::kEndSession: return idl::AlarmActionKind::ACTION_END_SESSION;
   }
   return std::nullopt;
 }

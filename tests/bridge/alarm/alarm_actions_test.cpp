@@ -37,7 +37,13 @@ struct AlarmActionsTest : testing::Test {
   AlarmTable alarms;
   test::RecordingAudit audit;
   CommandAudit commands;
-  AlarmActions actions{alarms, commands};
+  std::string ended;  // the last session that was to be ended
+  AlarmActions actions{
+      alarms, commands,
+      [this](const std::string& bus, const std::string& device, const std::string& reason) {
+        ended = bus + '/' + device + ": " + reason;
+        return device == "press";
+      }};
 };
 
 TEST_F(AlarmActionsTest, TheAuditNamesTheAuthenticatedSubject) {
@@ -69,6 +75,22 @@ TEST_F(AlarmActionsTest, ADuplicateChangesNothing) {
   other.duration = 1h;
   EXPECT_EQ(actions.take(other, kThen).cause, Cause::kDuplicate);
   EXPECT_FALSE(alarms.status_of(other.alarm)->shelved.is_set());
+}
+
+TEST_F(AlarmActionsTest, EndsAProgrammingSession) {
+  AlarmAction action = acknowledge(1);
+  action.kind = AlarmActionKind::kEndSession;
+  EXPECT_EQ(actions.take(action, kThen).state, CommandState::kDone);
+  EXPECT_EQ(ended, "shop/press: ended by anna: on my way");
+  EXPECT_EQ(audit.rows(),
+            (std::vector<std::string>{
+                "anna (cli:1:2) | end programming session: on my way | shop/press | done"}));
+  action.request_id = 2;
+  action.alarm.device = "pump";
+  EXPECT_EQ(actions.take(action, kThen).reason, "nobody programs the device");
+  action.request_id = 3;
+  action.by.clear();
+  EXPECT_EQ(actions.take(action, kThen).state, CommandState::kRejected);
 }
 
 TEST_F(AlarmActionsTest, TheAuditSaysForHowLong) {

@@ -170,6 +170,7 @@ TEST(EnumConversion, AlarmActionKind) {
       {AlarmActionKind::kUnshelve, idl::AlarmActionKind::ACTION_UNSHELVE, 2},
       {AlarmActionKind::kMaintenance, idl::AlarmActionKind::ACTION_MAINTENANCE, 3},
       {AlarmActionKind::kEndMaintenance, idl::AlarmActionKind::ACTION_END_MAINTENANCE, 4},
+      {AlarmActionKind::kEndSession, idl::AlarmActionKind::ACTION_END_SESSION, 5},
   };
   expect_all(kRows);
 }

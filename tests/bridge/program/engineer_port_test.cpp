@@ -77,6 +77,24 @@ TEST_F(EngineerPort, ACertificateIsTheLoginOfARawPort) {
   EXPECT_THAT(audit.back().who, testing::StartsWith("anna (127.0.0.1:"));
 }
 
+TEST_F(EngineerPort, AnOperatorEndsTheSessionAndTheNextEngineerGetsTheDevice) {
+  port().raw = true;
+  start();
+  TcpClient module = this->module("17\r\n");
+  std::unique_ptr<TcpClient> first;
+  ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");  // registered
+  EXPECT_FALSE(server.end_session("dial-in", "18", "ended by chen"));
+  EXPECT_TRUE(server.end_session("dial-in", "17", "ended by chen: the shift is over"));
+  EXPECT_TRUE(audited("ended: ended by chen: the shift is over"));
+  first->receive("never");  // until the bridge closes the connection
+  EXPECT_FALSE(server.end_session("dial-in", "17", "ended by chen"));
+  const auto client = connect();
+  ASSERT_TRUE(audited("paired, raw bytes"));
+  EXPECT_TRUE(server.end_session("dial-in", "17", "ended by dora"));
+  EXPECT_EQ(client->receive("never"), "");
+  EXPECT_TRUE(audited("ended: ended by dora"));
+}
+
 TEST_F(EngineerPort, TheStopOfTheBridgeEndsTheSession) {
   port().raw = true;
   start();

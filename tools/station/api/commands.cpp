@@ -85,14 +85,28 @@ void unshelve_alarms(const Api& api, const HttpRequest& request, const Caller& c
   act_on_alarms(AlarmActionKind::kUnshelve, *api.commands, request, caller, reply);
 }
 
-void maintain_device(const Api& api, const HttpRequest& request, const Caller& caller,
-                     const Reply& reply) {
+namespace {
+
+void act_on_device(Checked<AlarmAction> (*action_in)(const Body& body), CommandSink& commands,
+                   const HttpRequest& request, const Caller& caller, const Reply& reply) {
   const auto body = body_of(request);
   if (!body) return reply(body.error());
-  auto action = maintenance_action(*body);
+  auto action = action_in(*body);
   if (!action) return reply(std::move(action.error()));
-  const auto id = api.commands->submit(caller, *std::move(action), {});
+  const auto id = commands.submit(caller, *std::move(action), {});
   reply(id ? accepted({*id}) : refused(503, id.error()));
+}
+
+}  // namespace
+
+void maintain_device(const Api& api, const HttpRequest& request, const Caller& caller,
+                     const Reply& reply) {
+  act_on_device(maintenance_action, *api.commands, request, caller, reply);
+}
+
+void end_session(const Api& api, const HttpRequest& request, const Caller& caller,
+                 const Reply& reply) {
+  act_on_device(end_of_session, *api.commands, request, caller, reply);
 }
 
 void show_result(const Api& api, const HttpRequest& request, const Caller& caller,
@@ -228,6 +242,18 @@ Checked<AlarmAction> maintenance_action(const Body& body) {
   action.duration = *minutes;
   action.kind =
       *minutes == Duration{} ? AlarmActionKind::kEndMaintenance : AlarmActionKind::kMaintenance;
+  return action;
+}
+
+Checked<AlarmAction> end_of_session(const Body& body) {
+  if (auto fault = unknown_member(body, {"bus", "device", "note"}))
+    return tl::make_unexpected(*std::move(fault));
+  AlarmAction action{.kind = AlarmActionKind::kEndSession};
+  if (auto fault = read_names(body, {{"bus", &action.alarm.bus}, {"device", &action.alarm.device}}))
+    return tl::make_unexpected(*std::move(fault));
+  auto note = note_in(body);
+  if (!note) return tl::make_unexpected(std::move(note.error()));
+  action.note = *std::move(note);
   return action;
 }
 

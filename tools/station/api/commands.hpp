@@ -18,5 +18,6 @@ inline constexpr std::uint32_t kMaxMaintenanceMinutes = 7 * 24 * 60;
                                                               const nlohmann::json& body);
 // Body: {"bus", "device", "minutes", "note"}. 0 minutes end the maintenance.
 [[nodiscard]] Checked<AlarmAction> maintenance_action(const nlohmann::json& body);
+[[nodiscard]] Checked<AlarmAction> end_of_session(const nlohmann::json& body);
 
 }  // namespace fieldcast::web

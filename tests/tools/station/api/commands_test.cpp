@@ -136,6 +136,17 @@ TEST_F(CommandsApiTest, MaintenanceOfZeroMinutesEndsIt) {
   EXPECT_EQ(commands_.actions.at(1).kind, AlarmActionKind::kEndMaintenance);
 }
 
+TEST_F(CommandsApiTest, AProgrammingSessionIsEnded) {
+  const char* const path = "/api/sessions/end";
+  EXPECT_EQ(post(path, R"({"bus":"line","device":"d","note":"the night shift starts"})").status,
+            202u);
+  EXPECT_EQ(commands_.actions.at(0).kind, AlarmActionKind::kEndSession);
+  EXPECT_EQ(commands_.actions.at(0).alarm.device, "d");
+  EXPECT_EQ(commands_.actions.at(0).note, "the night shift starts");
+  EXPECT_EQ(fault(path, R"({"bus":"line"})"), "device is missing, or no name");
+  EXPECT_NE(fault(path, R"({"bus":"line","device":"d","minutes":1})"), "");
+}
+
 TEST_F(CommandsApiTest, BodiesAboutAlarmsThatAreNoneSayWhatIsWrong) {
   const char* const path = "/api/alarms/acknowledge";
   EXPECT_EQ(fault(path, "{}"), "alarms is missing, empty or too long");

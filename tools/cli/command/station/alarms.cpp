@@ -84,7 +84,8 @@ bool is_meant(const AlarmsOptions& options, const AlarmKey& key, const AlarmStat
     case AlarmActionKind::kShelve: return status.stage != AlarmStage::kClear || away;
     case AlarmActionKind::kUnshelve: return status.shelved.is_set();
     case AlarmActionKind::kMaintenance:
-    case AlarmActionKind::kEndMaintenance: break;
+    case AlarmActionKind::kEndMaintenance:
+    case AlarmActionKind::kEndSession: break;
   }
   return false;
 }

@@ -88,6 +88,15 @@ export async function startMaintenance(context: Context, bus: string, device: st
     t('alarms.maintenance-started', { device: `${bus}/${device}`, time: lengthText(minutes) }));
 }
 
+// Takes the device back from the engineer who programs it.
+export async function endSession(context: Context, bus: string, device: string, who: string): Promise<void> {
+  const form = await ask({
+    title: t('programming.end-title', { device: `${bus}/${device}` }), confirm: t('programming.end'),
+    body: html`<p>${t('programming.end-warning', { who })}</p>${noteField()}` });
+  if (!form) return;
+  await perform(context, '/api/sessions/end', [{ bus, device, note: form.get('note') }], t('programming.ended', { device: `${bus}/${device}` }));
+}
+
 export async function endMaintenance(context: Context, bus: string, device: string): Promise<void> {
   await perform(context, '/api/alarms/maintenance', [{ bus, device, minutes: 0, note: '' }], t('alarms.maintenance-ended', { device: `${bus}/${device}` }));
 }

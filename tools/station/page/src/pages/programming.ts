@@ -3,6 +3,7 @@
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
+import { endSession } from '../alarm_actions';
 import type { Change, Context, MakePage } from '../context';
 import { pathOf } from '../device_health';
 import { age, bytes, count, fullTime } from '../format';
@@ -43,6 +44,9 @@ export const texts = {
   'programming.user': ['User', '用户'], 'programming.user-hint': ['with the role programmer; empty: no login', '需要 programmer 角色；留空则不登录'],
   'programming.tls': ['By TLS', '使用 TLS'],
   'programming.end-hint': ['Ctrl-C ends it. The bridge also takes the device back after ten minutes without a byte.', '按 Ctrl-C 结束。十分钟没有数据时，网桥也会收回设备。'],
+  'programming.end': ['End the session', '结束会话'], 'programming.end-title': ['End the session of {device}', '结束 {device} 的会话'],
+  'programming.end-warning': ['{who} loses the connection at once. A program that is half transmitted can leave the PLC stopped.', '{who} 将立即断开。传输到一半的程序可能使 PLC 停机。'],
+  'programming.ended': ['The session of {device} was ended.', '{device} 的会话已结束。'],
   'session.open': ['programming', '编程中'], 'session.closed': ['ended', '已结束'], 'session.refused': ['refused', '被拒绝'],
 } as const;
 
@@ -167,6 +171,7 @@ class ProgrammingPage extends SplitPage {
       <header><h2>${pathOf(target)}</h2>${session ? badge(tones[session.state] ?? 'unknown', word('session', session.state)) : nothing}</header>
       <p class="reason">${session && isOpen(target) ? t('programming.by', { who: session.who, age: age(this.context.now() - session.since_ms) }) :
         session ? t('programming.last', { who: session.who }) : t('programming.never')}</p>
+      ${session && isOpen(target) && this.context.mayOperate() ? html`<p class="links"><button type="button" @click=${() => void endSession(this.context, target.bus, target.device, session.who)}>${t('programming.end')}</button></p>` : nothing}
       <h3>${t('programming.meanwhile')}</h3><p>${this.meanwhile(target)}</p>
       <h3>${t('programming.start')}</h3><p class="muted">${t('programming.start-hint')}</p>
       <pre class="command" data-scroll tabindex="0" aria-label=${t('programming.command')}>${portCommand(choice)}</pre>
