@@ -59,6 +59,7 @@ guard_bench
 dtc_bench
 lzw_bench
 program_bench exchange
+/usr/bin/python3 tools/bench/rfc2217_bench.py build/bin
 program_bench relay --gigabytes 10
 program_bench many
 store_bench --seconds 60
