@@ -6,6 +6,7 @@ usage: templates_test.py BIN_DIR SOURCE_DIR
 examples.txt has the meaning of registers, written from the sources that the templates name.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -18,11 +19,13 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "tools")]
 from mc_devices import McDevices
 from modbus_devices import Devices, read_examples
+from plc_devices import PLCS, Plc
 from plant import claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]
 SECONDS = 30
+ETHERNET = ["modbus-tcp", "mitsubishi-mc", "omron-fins", "s7-tcp"]
 
 
 class Template:
@@ -31,7 +34,7 @@ class Template:
         with open(path, encoding="utf-8") as file:
             self.text = file.read()
         self.ours = "Our own map" in self.text  # an example to copy, not a real device
-        self.of_mitsubishi = re.search(r"^protocols: \[mitsubishi-mc, mitsubishi-mc-serial\]$", self.text, re.MULTILINE) is not None
+        self.protocols = re.search(r"^protocols: \[(.+)\]$", self.text, re.MULTILINE)[1].split(", ")
         entries = re.split(r"^  - ", self.text.partition("\nchannels:\n")[2], flags=re.MULTILINE)[1:]
         self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
 
@@ -60,8 +63,13 @@ def examples():
     return read_examples(os.path.join(HERE, "examples.txt"))
 
 
-def bus(template, port, protocol):
-    return (f"  - name: {template}\n    port: {{ {port} }}\n    protocol: {protocol}\n"
+def each_on_each_protocol():
+    """Returns {bus: (template, protocol)}."""
+    return {f"{template.name}-{protocol}": (template, protocol) for template in templates() for protocol in template.protocols}
+
+
+def bus(name, template, port, protocol):
+    return (f"  - name: {name}\n    port: {{ {port} }}\n    protocol: {protocol}\n"
             f"    devices: [ {{ name: device, address: 1, template: {template} }} ]\n")
 
 
@@ -83,12 +91,13 @@ class InAFolder(unittest.TestCase):
         return path
 
     def lines(self, known):
+        """Returns a configuration with a bus for each {name: (template, protocol)} of `known`."""
         text = "bridge: templates\nbuses:\n"
-        for number, (name, template) in enumerate(known.items()):
-            if template.of_mitsubishi:
-                text += bus(name, f"tcp: 127.0.0.1:{20000 + number}", "mitsubishi-mc")
-            else:
-                text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
+        for number, (name, (template, protocol)) in enumerate(known.items()):
+            port = f"tcp: 127.0.0.1:{20000 + number}" if protocol in ETHERNET else f"serial: {self.folder}/{name}"
+            if protocol == "modbus-rtu":  # the slowest usual line; other serial protocols have their default
+                port += ", baud: 9600, format: 8N1"
+            text += bus(name, template.name, port, protocol)
         return self.file("lines.yaml", text)
 
 
@@ -120,27 +129,21 @@ class Examples(unittest.TestCase):
 
 class Loading(InAFolder):
     def test_every_template_passes_the_check_on_each_of_its_protocols(self):
-        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp", "mitsubishi-mc", "mitsubishi-mc-serial"]:
-            names = {template.name: len(template.channels) for template in templates()
-                     if template.of_mitsubishi == protocol.startswith("mitsubishi-mc")}
-            self.assertTrue(names, protocol)
-            text = "bridge: templates\nbuses:\n"
-            for number, name in enumerate(names):
-                port = f"tcp: 127.0.0.1:{20000 + number}" if protocol in ("modbus-tcp", "mitsubishi-mc") else f"serial: /dev/{name}"
-                text += bus(name, port, protocol)
-            done = run("fieldcast-bridge", "--check", self.file("check.yaml", text))
-            self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
-            lines = done.stdout.splitlines()
-            self.assertEqual(len(lines), 1 + len(names), done.stdout)
-            for line, (name, channels) in zip(lines[1:], names.items()):
-                self.assertRegex(line, rf"^  {name}: .* {channels} channels?$")
+        known = each_on_each_protocol()
+        done = run("fieldcast-bridge", "--check", self.lines(known))
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        lines = done.stdout.splitlines()
+        self.assertEqual(len(lines), 1 + len(known), done.stdout)
+        for line, (name, (template, _)) in zip(lines[1:], known.items()):
+            channels = len(template.channels)
+            self.assertRegex(line, rf"^  {name}: .* {channels} channels?$")
 
 
 class Simulation(InAFolder):
     def test_every_channel_is_read_in_time_from_a_simulated_device(self):
         """If blocks bridge no gaps, the device has only the registers that the template names."""
-        known = {template.name: template for template in templates()}
-        strict = [name for name, template in known.items() if "max-gap: 0" in template.text]
+        known = each_on_each_protocol()
+        strict = [name for name, (template, _) in known.items() if "max-gap: 0" in template.text]
         self.assertGreater(len(strict), 10)
         faults = "buses:\n" + "".join(f"  {name}: {{ devices: {{ device: {{ only-configured: true }} }} }}\n" for name in strict)
         done = run("fieldcast", "plan", self.lines(known), "--simulate", "2min", "--json",
@@ -149,42 +152,59 @@ class Simulation(InAFolder):
         buses = {bus["bus"]: bus for bus in map(json.loads, done.stdout.splitlines()) if "simulated" in bus}
         self.assertEqual(buses.keys() ^ known.keys(), set())
         for name, bus in buses.items():
-            with self.subTest(template=name):
+            with self.subTest(bus=name):
                 self.assertEqual((bus["missed"], bus["failures"]), (0, {}))
                 read = {channel["channel"] for channel in bus["channels"] if channel["refreshes"] > 0}
-                self.assertEqual(known[name].scheduled() - read, set())
+                self.assertEqual(known[name][0].scheduled() - read, set())
 
 
 class Values(InAFolder):
     def test_are_what_the_sources_say(self):
-        """Uses one port for all devices of a protocol; registers without an example hold 0."""
+        """Uses one port for all devices of Modbus and Mitsubishi, and one for each PLC; registers without an example hold 0."""
         known = [template for template in templates() if not template.ours]
-        memory, expected = {}, {}
-        for unit, template in enumerate(known, 1):
-            for function, first, items, values in examples()[template.name]:
-                memory.update({(unit, function, first + i): item for i, item in enumerate(items)})
-                expected.update({(template.name, channel): value for channel, value in values.items()})
-        channels = {(template.name, channel) for template in known for channel in template.channels}
-        self.assertEqual(expected.keys() - channels, set(), "of an example")
+        memory, expected, channels = {}, {}, set()
+        shared_ports = ["modbus-tcp", "mitsubishi-mc"]
+        buses = {}
+        domain, claim = claim_domain()
+        self.addCleanup(claim.close)
+        with contextlib.ExitStack() as stack:
+            plcs = {}
+            for unit, template in enumerate(known, 1):
+                rows = examples()[template.name]
+                for function, first, items, _ in rows:
+                    memory.update({(unit, function, first + i): item for i, item in enumerate(items)})
+                ours = {(area, first + i * (2 if area == "V" else 1)): item for area, first, items, _ in rows for i, item in enumerate(items)}
+                shared = [protocol for protocol in shared_ports if protocol in template.protocols]
+                for protocol in shared or template.protocols:
+                    name = template.name if shared else f"{template.name}-{protocol}"
+                    if not shared:
+                        self.assertNotIn(protocol, plcs, "a second template; the device of a PLC has one address")
+                        plcs[protocol] = stack.enter_context(Plc(ours, PLCS[protocol]))
+                    buses[protocol] = (buses.get(protocol, "") +
+                                       f"      - {{ name: {name}, address: {unit if shared else 1}, template: {template.name}, pause: 0ms }}\n")
+                    channels.update((name, channel) for channel in template.channels)
+                    expected.update({(name, channel): value for row in rows for channel, value in row[3].items()})
+            self.assertEqual(plcs.keys() ^ PLCS.keys(), set())
+            self.assertEqual(expected.keys() - channels, set(), "of an example")
+            self.copy_on_schedule(known)
+            plcs["modbus-tcp"], plcs["mitsubishi-mc"] = stack.enter_context(Devices(memory)), stack.enter_context(McDevices(memory))
+            text = f"bridge: templates\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n"
+            for protocol, devices in buses.items():
+                text += (f"  - name: {protocol}\n    port: {{ tcp: 127.0.0.1:{plcs[protocol].port} }}\n    protocol: {protocol}\n"
+                         f"    devices:\n{devices}")
+            config = self.file("values.yaml", text)
+            with running_bridge(BIN_DIR, config, os.path.join(self.folder, "bridge.log")):
+                wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
+                           lambda: f"as the sources say: {self.wrong(config, expected, channels)}")
+
+    def copy_on_schedule(self, known):
+        """Copies the templates to the configuration's directory, with a refresh in place of `mode: on-demand`."""
         os.unlink(os.path.join(self.folder, "devices"))
         os.mkdir(os.path.join(self.folder, "devices"))
         for template in known:
             text, on_demand = re.subn("mode: on-demand", "refresh: 1min", template.text)
             self.file(f"devices/{template.name}.yaml", text)
             self.assertEqual(on_demand, len(template.channels.keys() - template.scheduled()))
-        domain, claim = claim_domain()
-        self.addCleanup(claim.close)
-        with Devices(memory) as devices, McDevices(memory) as mc_devices:
-            text = f"bridge: templates\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n"
-            for protocol, port in (("modbus-tcp", devices.port), ("mitsubishi-mc", mc_devices.port)):
-                text += f"  - name: {protocol}\n    port: {{ tcp: 127.0.0.1:{port} }}\n    protocol: {protocol}\n    devices:\n"
-                for unit, template in enumerate(known, 1):
-                    if template.of_mitsubishi == (protocol == "mitsubishi-mc"):
-                        text += f"      - {{ name: {template.name}, address: {unit}, template: {template.name}, pause: 0ms }}\n"
-            config = self.file("values.yaml", text)
-            with running_bridge(BIN_DIR, config, os.path.join(self.folder, "bridge.log")):
-                wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
-                           lambda: f"as the sources say: {self.wrong(config, expected, channels)}")
 
     @staticmethod
     def wrong(config, expected, channels):
