@@ -8,7 +8,6 @@ import struct
 import threading
 
 from mc_devices import BITS as MC_BITS
-from plc_devices import BITS as PLC_BITS
 
 BITS, REGISTERS = (1, 2), (3, 4)
 
@@ -25,7 +24,7 @@ def read_examples(path):
         function, address, words, values = re.fullmatch(r"(\d|[A-Z]+) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
         first = sum(int(number, 0) for number in re.findall(r"[+-]?(?:0x[\dA-F]+|\d+)", address))
         function = int(function) if function.isdigit() else function
-        if function in BITS + MC_BITS + PLC_BITS:
+        if function in BITS + MC_BITS:
             items = [int(bit) for bit in words.replace(" ", "")]
         else:
             items = [int(word, 16) for word in words.split()]

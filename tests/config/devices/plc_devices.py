@@ -10,8 +10,6 @@ import socketserver
 import struct
 import threading
 
-BITS = ("M", "R")  # areas whose items are bits
-
 
 class Plc:
     """Serves `memory` on 127.0.0.1:`port` inside `with`. `serve(memory, read, write)` processes one request; read(n) returns n bytes."""
@@ -162,13 +160,24 @@ def delta_dvp_ascii(memory, read, write):
 def panasonic_mewtocol(memory, read, write):
     request = until(read, b"\r")
     assert request[-3:-1] == xor(request[:-3]), request
-    if request[4:7] == b"RDD":
-        first, last = int(request[7:12]), int(request[12:17])
-        response = request[:3] + b"$RD" + words(memory, "DT", first, last - first + 1, "<").hex().upper().encode()
-    else:
-        assert request[4:8] == b"RCSR", request
-        response = request[:3] + b"$RC%d" % memory.get(("R", int(request[8:12])), 0)
+    area, begin, digits = ("DT", 7, 5) if request[4:7] == b"RDD" else ("WR", 8, 4)
+    assert request[4:begin] in (b"RDD", b"RCCR"), request
+    first, last = int(request[begin:begin + digits]), int(request[begin + digits:begin + 2 * digits])
+    response = request[:3] + b"$" + request[4:6] + words(memory, area, first, last - first + 1, "<").hex().upper().encode()
     return write(response + xor(response) + b"\r")
+
+
+def fatek_facon(memory, read, write):
+    request = until(read, b"\x03")
+    assert request[-3:-1] == b"%02X" % (sum(request[:-3]) & 0xFF), request
+    command, count, area, first = request[3:5], int(request[5:7], 16), chr(request[7]), int(request[8:-3])
+    if command == b"44":
+        data = "".join(str(memory.get((area, first + i), 0)) for i in range(count)).encode()
+    else:
+        assert command == b"46", request
+        data = words(memory, area, first, count).hex().upper().encode()
+    response = request[:5] + b"0" + data
+    return write(response + b"%02X\x03" % (sum(response) & 0xFF))
 
 
 PLCS = {
@@ -179,4 +188,5 @@ PLCS = {
     "delta-dvp-rtu": delta_dvp_rtu,
     "delta-dvp-ascii": delta_dvp_ascii,
     "panasonic-mewtocol": panasonic_mewtocol,
+    "fatek-facon": fatek_facon,
 }
