@@ -1,10 +1,8 @@
 // Owns one file descriptor. Movable, not copyable. Used by one thread at a time.
 #pragma once
 
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdint>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -39,21 +37,5 @@ class FileDescriptor {
 [[nodiscard]] inline std::string errno_text(int error) {
   return std::generic_category().message(error);
 }
-
-// Identity, size and change time of a file, to detect that it has changed. A value; any thread.
-struct FileStamp {
-  dev_t device = 0;
-  ino_t inode = 0;
-  off_t size = -1;  // -1 if the file does not exist
-  std::int64_t changed_ns = 0;
-  friend bool operator==(const FileStamp&, const FileStamp&) = default;
-
-  [[nodiscard]] static FileStamp of(const std::string& path) {
-    struct stat found {};
-    if (path.empty() || ::stat(path.c_str(), &found) != 0) return {};
-    return {found.st_dev, found.st_ino, found.st_size,
-            found.st_ctim.tv_sec * std::int64_t{1'000'000'000} + found.st_ctim.tv_nsec};
-  }
-};
 
 }  // namespace fieldcast

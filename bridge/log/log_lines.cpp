@@ -1,31 +1,16 @@
 #include "bridge/log/log_lines.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "bridge/log/log_output.hpp"
 
 namespace fieldcast {
-namespace {
-
-// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
-// The thread therefore waits in poll(), where it can be ended, and rarely in write().
-constexpr std::size_t kPiece = 4096;
-constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
-
-}  // namespace
 
 LineVerdict LineBudget::occurred(std::string_view kind, Instant now) {
   auto found = entries_.find(kind);
@@ -154,39 +139,24 @@ std::string LineWriter::State::take(std::size_t& lines, std::uint64_t& told) {
     bytes -= waiting.front().size();
     waiting.pop_front();
     ++lines;
-  } while (!waiting.empty() && text.size() + waiting.front().size() <= kPiece);
+  } while (!waiting.empty() && text.size() + waiting.front().size() <= kOutputPiece);
   return text;
 }
 
 bool LineWriter::State::write(std::string_view text) {
-  if (!fd.valid()) return false;
   while (!text.empty()) {
-    pollfd writable{fd.get(), POLLOUT, 0};
-    const int ready = ::poll(&writable, 1, kPollMilliseconds);
-    if (ready == 0 && is_ending()) return false;
-    if (ready <= 0) continue;
-    const ssize_t size = ::write(fd.get(), text.data(), std::min(text.size(), kPiece));
-    if (size >= 0) {
-      text.remove_prefix(static_cast<std::size_t>(size));
-    } else if (errno != EINTR && errno != EAGAIN) {
-      return false;
-    }
+    const auto size = write_output(fd.get(), text);
+    if (!size || (*size == 0 && is_ending())) return false;
+    text.remove_prefix(*size);
   }
   return true;
 }
 
 LineWriter::LineWriter(int fd, std::function<std::string(std::uint64_t)> remark)
     : state_(std::make_shared<State>()) {
-  state_->fd.reset(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  state_->fd.reset(duplicate_output(fd));
   state_->remark = std::move(remark);
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, &before);
-  std::thread([state = state_] {
-    pthread_setname_np(pthread_self(), "log");
-    state->run();
-  }).detach();
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  start_output_thread([state = state_] { state->run(); });
 }
 
 LineWriter::~LineWriter() {
@@ -198,7 +168,7 @@ LineWriter::~LineWriter() {
 }
 
 void LineWriter::reopen(int fd) {
-  FileDescriptor next(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  FileDescriptor next(duplicate_output(fd));
   const std::lock_guard lock(state_->mutex);
   state_->next = std::move(next);
 }

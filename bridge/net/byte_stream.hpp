@@ -34,6 +34,8 @@ class ByteStream {
   [[nodiscard]] virtual std::string peer_name() const { return {}; }
 };
 
+// Bytes that the kernel has not sent, or the peer has not acknowledged. 0 if the system does not
+// report it.
 [[nodiscard]] std::size_t queued_at(int fd);
 
 [[nodiscard]] std::unique_ptr<ByteStream> socket_stream(boost::asio::ip::tcp::socket socket);

@@ -31,11 +31,9 @@ void set_rules(Context& context, Suites suites) {
 }
 
 Done use_authorities(Context& context, const std::string& authorities) {
+  if (authorities.empty()) return use_system_authorities(context);
   boost::system::error_code fault;
-  if (authorities.empty())
-    context.set_default_verify_paths(fault);
-  else
-    context.load_verify_file(authorities, fault);
+  context.load_verify_file(authorities, fault);
   if (fault) return fault_of(authorities, "no certificates in PEM form", fault);
   return {};
 }

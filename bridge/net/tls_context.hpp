@@ -1,4 +1,5 @@
-// Contexts of OpenSSL for the TLS of the bridge, from PEM files. Only for bridge/net.
+// Contexts of OpenSSL for the TLS of the bridge, from PEM files. Only for bridge/net, and for
+// the file of Windows that takes the place of system_authorities.cpp.
 #pragma once
 
 #include <boost/asio/ssl/context.hpp>
@@ -23,6 +24,8 @@ void set_rules(Context& context, Suites suites = Suites::kStrict);
 // `authorities`: a file with certificates; empty: those of the system.
 [[nodiscard]] Done use_authorities(Context& context, const std::string& authorities);
 [[nodiscard]] Done use_identity(Context& context, const TlsSpec& files);
+// Those that the operating system trusts.
+[[nodiscard]] Done use_system_authorities(Context& context);
 // `revoked`: a file with revocation lists; empty: none.
 [[nodiscard]] Done use_revoked(Context& context, const std::string& revoked);
 

@@ -127,16 +127,6 @@ tl::expected<Secret, std::string> read_secret_file(const std::string& path, Read
   return secret;
 }
 
-tl::expected<Secret, std::string> read_secret_line(const std::string& path, Readers readers) {
-  const auto whole = read_secret_file(path, readers);
-  if (!whole) return tl::unexpected(whole.error());
-  std::string_view line = whole->text();
-  line = line.substr(0, line.find('\n'));
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  if (line.empty()) return fault(path, "its first line is empty");
-  return Secret(line);
-}
-
 void guard_memory() {
   if (dumps_are_wanted()) return;
   // The limit does not stop a core dump to a pipe in core_pattern. The flag alone does not stop one

@@ -8,6 +8,7 @@
 #include "config/document/document.hpp"
 #include "config/document/map_reader.hpp"
 #include "config/files/library.hpp"
+#include "config/sections/port_text.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
@@ -30,13 +31,6 @@ namespace fieldcast::config {
 
 void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
                 FaultList& faults);
-
-// Data bits, parity and stop bits of "8N1".
-[[nodiscard]] std::optional<LineFormat> format_from(std::string_view text);
-
-// "10.0.0.7:502", "[::1]:502"; the port is 1..65535.
-[[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(
-    std::string_view text);
 
 struct HostPortRule {
   std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node,

@@ -1,7 +1,6 @@
 #include "tools/progress/progress_line.hpp"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,22 +51,23 @@ constexpr std::chrono::milliseconds kFirstShown{500};
 constexpr std::chrono::milliseconds kWriting{50};
 constexpr std::string_view kWipe = "\r\x1b[K";
 // Free columns after the text for the "^C" of the terminal, which would wrap the line.
-constexpr std::size_t kMargin = 3;  // columns
+constexpr std::size_t kMargin = 3;         // columns
+constexpr std::size_t kUnknownWidth = 80;  // columns
 
 // State of the terminal; kept locked at the end of the process.
 std::timed_mutex terminal;
 bool line_is_shown = false;
 
-std::size_t terminal_columns() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > kMargin ? size.ws_col : 80;
+std::size_t line_columns() {
+  const std::size_t columns = terminal_columns(STDERR_FILENO);
+  return (columns > kMargin ? columns : kUnknownWidth) - kMargin;
 }
 
 }  // namespace
 
 ProgressLine::ProgressLine(std::ostream& err)
     : err_(err),
-      seen_(::isatty(STDERR_FILENO) == 1),
+      seen_(is_terminal(STDERR_FILENO)),
       began_(std::chrono::steady_clock::now()),
       next_(began_ + kFirstShown) {}
 
@@ -76,7 +76,7 @@ void ProgressLine::show(const Text& text) {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + kShowAgain;
-  const std::string line = progress_line_text(text(now - began_), terminal_columns() - kMargin);
+  const std::string line = progress_line_text(text(now - began_), line_columns());
   const std::lock_guard lock(terminal);
   err_ << kWipe << line << std::flush;
   line_is_shown = true;

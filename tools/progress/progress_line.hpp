@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/base/time.hpp"
+#include "tools/progress/terminal.hpp"
 
 namespace fieldcast {
 

@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/base/file_descriptor.hpp"
+#include "bridge/base/file_stamp.hpp"
 #include "bridge/net/tls.hpp"
 #include "bridge/process/secret.hpp"
 #include "core/access/network.hpp"

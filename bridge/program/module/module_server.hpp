@@ -16,6 +16,7 @@
 #include "bridge/program/module/hooks.hpp"
 #include "bridge/program/module/module_gate.hpp"
 #include "bridge/program/module/relay_end.hpp"
+#include "bridge/program/module/tls_pipe.hpp"
 #include "core/model/program_spec.hpp"
 
 namespace fieldcast::program {

@@ -1,14 +1,12 @@
 // One side of a relay: delivers and sends bytes, and reports when too many wait. One io thread.
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
 
-#include "bridge/base/file_descriptor.hpp"
 #include "bridge/net/byte_stream.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
@@ -68,31 +66,6 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   std::int64_t taken_ = 0;  // by the kernel, in total
   std::int64_t left_ = 0;   // of these, at the last call of drained()
   bool reading_ = false, paused_ = false, crowded_ = false, closed_ = false;
-};
-
-// Relays a TLS connection to a plain socket, for a bus. Both ends close together. One io thread.
-class TlsPipe : public std::enable_shared_from_this<TlsPipe> {
- public:
-  // `socket` is the descriptor below the TLS stream, which owns it.
-  TlsPipe(boost::asio::io_context& io, std::unique_ptr<ByteStream> tls, int socket);
-
-  // The plain end, invalid without free descriptors. `over` is called once, unless closed earlier.
-  [[nodiscard]] FileDescriptor start(std::function<void()> over);
-  // Closes immediately; bytes in flight are lost.
-  void close();
-
- private:
-  void relay(std::unique_ptr<ByteStream> plain);
-  void watch();
-  void gone(RelayEnd& other);
-  void finish();
-
-  boost::asio::io_context& io_;
-  const int socket_;
-  std::shared_ptr<RelayEnd> tls_, plain_;
-  boost::asio::steady_timer timer_;
-  std::function<void()> over_;
-  bool ending_ = false;
 };
 
 // Connections whose peers have not authenticated yet, limited per address and in total; a further

@@ -1,31 +1,14 @@
 #include "tools/cli/text/cell_text.hpp"
 
 #include <fmt/format.h>
-#include <locale.h>
-#include <wchar.h>
 
 #include <algorithm>
 
 #include "core/base/message_text.hpp"
+#include "tools/cli/text/character_width.hpp"
 
 namespace fieldcast::cli {
 namespace {
-
-// Uses the C library's character widths of a Unicode locale, independent of the user's locale.
-class WidthsOfUnicode {
- public:
-  WidthsOfUnicode() : before_(::uselocale(unicode())) {}
-  ~WidthsOfUnicode() { ::uselocale(before_); }
-  WidthsOfUnicode(const WidthsOfUnicode&) = delete;
-  WidthsOfUnicode& operator=(const WidthsOfUnicode&) = delete;
-
- private:
-  static locale_t unicode() {
-    static const locale_t locale = ::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
-    return locale;
-  }
-  locale_t before_;
-};
 
 bool is_ascii(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
@@ -63,7 +46,7 @@ std::string shown(std::string_view text) {
     const char32_t c = take_character(rest);
     const std::string_view character = before.substr(0, before.size() - rest.size());
     const bool escape = is_right_to_left(c) || !is_printable(character);
-    const int width = escape ? -1 : ::wcwidth(static_cast<wchar_t>(c));
+    const int width = escape ? -1 : widths.of(c);
     if (width < 0 || (width == 0 && marks == kMostMarks)) {
       out += fmt::format("\\u{{{:X}}}", static_cast<std::uint32_t>(c));
       continue;
@@ -79,8 +62,7 @@ std::size_t columns_of(std::string_view shown) {
   const WidthsOfUnicode widths;
   std::size_t columns = 0;
   while (!shown.empty())
-    columns += static_cast<std::size_t>(
-        std::max(0, ::wcwidth(static_cast<wchar_t>(take_character(shown)))));
+    columns += static_cast<std::size_t>(std::max(0, widths.of(take_character(shown))));
   return columns;
 }
 
@@ -91,8 +73,7 @@ std::string cut(std::string_view shown, std::size_t columns) {
   std::string_view rest = shown;
   while (!rest.empty()) {
     std::string_view after = rest;
-    const auto width = static_cast<std::size_t>(
-        std::max(0, ::wcwidth(static_cast<wchar_t>(take_character(after)))));
+    const auto width = static_cast<std::size_t>(std::max(0, widths.of(take_character(after))));
     if (used + width > columns) break;
     used += width;
     rest = after;
