@@ -132,6 +132,7 @@ void PortClient::set_line(LineSettings settings, Actions& actions) const {
     settings.data_bits = rules_.format->data_bits;
     settings.parity = rules_.format->parity;
     settings.stop_bits = rules_.format->stop_bits;
+    if (rules_.baud != 0) settings.baud = rules_.baud;
   }
   Bytes out;
   append_settings(out, settings);

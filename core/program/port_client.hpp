@@ -17,6 +17,7 @@ struct PortClientRules {
   bool by_length = true;       // carries any bytes; otherwise instructions in marker frames
   // Settings of the real line, only with framing by length. The program sets its baud rate.
   std::optional<LineFormat> format;
+  std::uint32_t baud = 0;  // with a format; 0: as the program sets it, else as configured
   Duration heartbeat = std::chrono::seconds{5};
   // Timeout of the bridge's reply; a delayed login needs time.
   Duration reply = std::chrono::seconds{30};

@@ -181,7 +181,7 @@ class Devices(unittest.TestCase):
 
 class ProgramPort(unittest.TestCase):
     def test_its_exit_codes_are_those_that_it_documents(self):
-        said = re.sub(r'"\s*"', "", read("tools/program-port/main.cpp"))
+        said = re.sub(r'"\s*"', "", read("tools/program-port/connection.cpp"))
         said = re.search(r"Exit codes: (.*?)\.", said, re.DOTALL).group(1)
         self.assertEqual(re.findall(r"\b(\d) ", said), first_cells(section("docs/programming.md", "Refusals")))
 

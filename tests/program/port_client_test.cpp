@@ -107,6 +107,20 @@ TEST(PortClient, TheFormatThatIsGivenGoesAheadOfTheFirstByteAndWithEverySpeed) {
   EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 7, Parity::kEven}));
 }
 
+TEST(PortClient, ABaudRateThatIsGivenReplacesThatOfTheProgram) {
+  PortClientRules rules;
+  rules.number = "17";
+  rules.format = LineFormat{19200, 7, Parity::kEven, 2};
+  rules.baud = 9600;
+  Bench b(rules);
+  b.tell(PortClient::Connected{});
+  (void)b.sent();
+  b.receives("@@0000FEFF");
+  EXPECT_EQ(std::exchange(b.bridge, {}), settings({9600, 2, 7, Parity::kEven}));
+  b.tell(PortClient::LineChanged{{115200, 1}});
+  EXPECT_EQ(std::exchange(b.bridge, {}), settings({9600, 2, 7, Parity::kEven}));
+}
+
 TEST(PortClient, WithoutAFormatOnlyWhatTheVirtualPortReportsIsCarried) {
   PortClientRules rules;
   rules.number = "17";

@@ -1,5 +1,6 @@
 #include "tools/program-port/port_report.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -7,19 +8,27 @@
 #include <cstdio>
 #include <iostream>
 
-#include "bridge/log/log_lines.hpp"
+#include "bridge/base/clock.hpp"
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
 
 namespace fieldcast::port {
 namespace {
 
+std::string remark_on(std::uint64_t lost) {
+  return fmt::format("({} lines are missing here)\n", lost);
+}
+
 // A separate writer, so that the port works while nobody reads standard output.
 LineWriter& output() {
-  static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
-    return fmt::format("({} lines are missing here)\n", lost);
-  });
+  static auto& lines = *new LineWriter(STDOUT_FILENO, remark_on);
   return lines;
+}
+
+// "2026-11-21T03:04:05.678Z".
+std::string time_text(UtcTime time) {
+  const std::int64_t ms = time.nanoseconds / 1'000'000;
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::time_t{ms / 1000}), ms % 1000);
 }
 
 constexpr Duration kLastWords = std::chrono::milliseconds{300};
@@ -36,24 +45,34 @@ std::string rate_text(double bytes_per_second) {
 
 }  // namespace
 
-PortReport::PortReport(bool json, std::string device, std::string link)
+PortReport::PortReport(bool json, std::string device, std::string port, int log)
     : json_(json),
-      redrawn_(!json && ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1),
+      redrawn_(!json && is_terminal(STDOUT_FILENO) && is_terminal(STDERR_FILENO)),
       device_(std::move(device)),
-      link_(std::move(link)),
-      progress_(std::cerr) {}
+      port_(std::move(port)),
+      progress_(std::cerr) {
+  if (log >= 0) log_.emplace(log, remark_on);
+}
+
+void PortReport::note(const std::string& text) {
+  if (log_) log_->put(time_text(read_clocks().utc) + "  " + printable(text) + '\n');
+}
 
 // The text is untrusted. Another thread writes the line, which first clears the progress line.
 void PortReport::print(const std::string& line) {
   output().put((redrawn_ ? "\r\x1b[K" : "") + printable(line) + '\n');
+  note(line);
 }
 
-PortReport::~PortReport() { (void)output().flush(kLastWords); }
+PortReport::~PortReport() {
+  (void)output().flush(kLastWords);
+  if (log_) (void)log_->flush(kLastWords);
+}
 
 void PortReport::state(const std::string& state, const std::string& text) {
   if (json_)
     return print(
-        Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}}.text());
+        Json{{"device", device_}, {"link", port_}, {"state", state}, {"text", text}}.text());
   print(fmt::format("{}: {}", device_, text));
 }
 
@@ -66,6 +85,11 @@ void PortReport::line(std::uint32_t baud, unsigned stop_bits) {
   if (json_)
     return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}}.text());
   print(fmt::format("{}: the program sets {} baud, {} stop bits", device_, baud, stop_bits));
+}
+
+void PortReport::paired(Instant now) {
+  since_ = at_ = shown_at_ = now;
+  sent_ = received_ = shown_sent_ = shown_received_ = 0;
 }
 
 void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last) {

@@ -1,9 +1,11 @@
-// Output of fieldcast-port as text or JSON lines. On a terminal the byte counters are one redrawn
-// line. Main thread; nothing fails.
+// Output of fieldcast-port as text or JSON lines, to standard output and to a log file. On a terminal
+// the byte counters are one redrawn line. Main thread; a lost line is not an error.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "bridge/log/log_lines.hpp"
 #include "core/base/time.hpp"
 #include "tools/progress/progress_line.hpp"
 
@@ -11,7 +13,8 @@ namespace fieldcast::port {
 
 class PortReport {
  public:
-  PortReport(bool json, std::string device, std::string link);
+  // `port`: name of the local port. `log`: appended to; -1: none.
+  PortReport(bool json, std::string device, std::string port, int log = -1);
   ~PortReport();  // writes the last lines if they are read
   PortReport(const PortReport&) = delete;
   PortReport& operator=(const PortReport&) = delete;
@@ -26,14 +29,18 @@ class PortReport {
   // yet.
   void show_traffic(std::uint64_t sent, std::uint64_t received, std::uint64_t waiting, Instant now);
   void show_last_bytes(double share);
-  void paired(Instant now) { since_ = at_ = shown_at_ = now; }
+  // Counts from zero again.
+  void paired(Instant now);
+  // A line about this run, for the log file alone.
+  void note(const std::string& text);
 
  private:
   void print(const std::string& line);
 
   bool json_;
   bool redrawn_;  // terminal with a progress line
-  std::string device_, link_;
+  std::string device_, port_;
+  std::optional<LineWriter> log_;
   ProgressLine progress_;
   Instant since_{}, at_{};
   std::uint64_t sent_ = 0, received_ = 0;  // at the last call

@@ -1,15 +1,12 @@
 #include "tools/program-port/port_session.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
-#include <csignal>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/port/serial_line.hpp"
-#include "bridge/port/stream.hpp"
+#include "tools/program-port/bridge_socket.hpp"
 
 namespace fieldcast::port {
 namespace {
@@ -20,83 +17,84 @@ using program::PortClient;
 using program::PortEnd;
 
 constexpr std::chrono::seconds kConnectLimit{10};
-// Interval of checks of the virtual port's settings, in addition to checks when bytes arrive.
+// Interval of checks of the local port's settings, in addition to checks when bytes arrive.
 constexpr std::chrono::milliseconds kCheckPeriod{100};
 constexpr unsigned kChecksOfReport = 10;  // a traffic line each second
 // Timeout between bytes at the end: a bridge with a slow line accepts the last bytes in steps.
 constexpr std::chrono::seconds kFlushBridge{10};
 constexpr std::chrono::seconds kFlushProgram{1};
 
-// A rate that no program uses, so that every change is detected, even to the default 38400.
-constexpr std::uint32_t kNobodysRate = 38401;
-
-std::optional<program::LineSettings> untouched(int fd) {
-  (void)change_line(fd, {kNobodysRate, 8, Parity::kNone, 1});
-  return rate_of(fd);
-}
-
 }  // namespace
 
-PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort pty,
+PortSession::PortSession(asio::io_context& io, PortOptions options, std::unique_ptr<LocalPort> port,
                          PortReport& report)
     : io_(io),
       options_(std::move(options)),
-      pty_(std::move(pty)),
+      port_(std::move(port)),
       report_(report),
       client_(options_.rules),
       resolver_(io),
       socket_(io),
-      signals_(io, SIGINT, SIGTERM, SIGHUP),
+      stops_(io, [this] { stop(); }),
       timer_(io),
       ticking_(io),
       limit_(io),
-      settings_(untouched(pty_.fd())) {}
+      untouched_(port_->settings()) {}
 
-void PortSession::start() {
-  signals_.async_wait([this](boost::system::error_code fault, int) {
-    if (fault) return;
-    if (client_.paired()) return tell(PortClient::StopAsked{});
-    end_ = {PortEnd::Kind::kStopped, {}, "stopped"};
-    wind_up();
-  });
-  limit_.expires_after(kConnectLimit);
-  limit_.async_wait([this](boost::system::error_code cancelled) {
-    if (!cancelled) cannot_connect("no connection in time");
-  });
-  connect();
+void PortSession::start() { connect(); }
+
+// The first request ends the session, the second one drops the bytes that are not sent yet.
+void PortSession::stop() {
+  if (over_) {
+    for (const auto& side : {bridge_, terminal_}) {
+      if (side) side->close();
+    }
+    return;
+  }
+  if (client_.paired()) return tell(PortClient::StopAsked{});
+  end_ = {PortEnd::Kind::kStopped, {}, "stopped"};
+  wind_up();
 }
 
 void PortSession::connect() {
+  client_ = PortClient(options_.rules);
+  const unsigned attempt = ++attempt_;
+  limit_.expires_after(kConnectLimit);
+  limit_.async_wait([this, attempt](boost::system::error_code cancelled) {
+    if (!cancelled && attempt == attempt_) cannot_connect("no connection in time");
+  });
   report_.state("connecting",
                 fmt::format("connecting to {}:{}", options_.host, options_.server_port));
   resolver_.async_resolve(
       options_.host, std::to_string(options_.server_port),
-      [this](boost::system::error_code fault, tcp::resolver::results_type found) {
-        if (over_) return;
+      [this, attempt](boost::system::error_code fault, tcp::resolver::results_type found) {
+        if (over_ || attempt != attempt_) return;
         if (fault) return cannot_connect(fault.message());
         asio::async_connect(
-            socket_, found, [this](boost::system::error_code refused, const tcp::endpoint&) {
-              if (over_) return;
+            socket_, found,
+            [this, attempt](boost::system::error_code refused, const tcp::endpoint&) {
+              if (over_ || attempt != attempt_) return;
               if (refused) return cannot_connect(refused.message());
-              tune_socket(socket_.native_handle(), program::kTunnelPatience);
+              tune_bridge_socket(socket_);
               if (!options_.tls) return connected(socket_stream(std::move(socket_)));
               auto tls = TlsClient::make(options_.authorities, options_.own);
               if (!tls) return cannot_connect(tls.error());
               tls_ = std::move(*tls);
-              tls_->shake_hands(
-                  std::move(socket_), options_.host, kConnectLimit, [this](TlsResult stream) {
-                    if (over_) return;
-                    stream ? connected(std::move(*stream)) : cannot_connect(stream.error());
-                  });
+              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
+                                [this, attempt](TlsResult stream) {
+                                  if (over_ || attempt != attempt_) return;
+                                  stream ? connected(std::move(*stream))
+                                         : cannot_connect(stream.error());
+                                });
             });
       });
 }
 
 void PortSession::cannot_connect(const std::string& reason) {
-  end_ = {PortEnd::Kind::kBridgeGone,
-          {},
-          fmt::format("{}:{}: {}", options_.host, options_.server_port, reason)};
-  wind_up();
+  limit_.cancel();
+  ended({PortEnd::Kind::kBridgeGone,
+         {},
+         fmt::format("{}:{}: {}", options_.host, options_.server_port, reason)});
 }
 
 void PortSession::connected(std::unique_ptr<ByteStream> stream) {
@@ -136,36 +134,46 @@ void PortSession::execute(const PortClient::SetTimer& what) {
 }
 
 void PortSession::execute(const PortClient::Paired&) {
+  reconnection_.paired(steady_now());
   report_.paired(steady_now());
-  report_.state("paired", "paired; the programming software may open the port");
-  open_terminal();
+  report_.state("paired", fmt::format("paired; {}", kLocalPortOption.ready));
+  settings_ = untouched_;
+  paired_ = true;
+  if (!terminal_) open_terminal();
   // Actions of the same event contain bytes for the terminal, which must be open by then.
   asio::post(io_, [this] {
-    if (!over_) tick();
+    if (over_ || !client_.paired()) return;
+    if (terminal_ && terminal_->crowded()) tell(PortClient::ProgramTakes{false});
+    tick();
   });
 }
 
 void PortSession::open_terminal() {
-  auto stream = descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
+  auto stream = port_->stream(io_);
+  if (!stream) return lost_port("it cannot be read");
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
-  terminal_->start(
-      {[this](ByteView bytes) {
-         check_line();
-         tell(PortClient::FromProgram{bytes});
-       },
-       [this](const std::string& reason) {
-         end_ = {PortEnd::Kind::kProtocol, {}, "the virtual port was removed: " + reason};
-         tell(PortClient::StopAsked{});
-       },
-       [this](bool room) {
-         bridge_->pause(!room);
-         tell(PortClient::ProgramTakes{room});
-       }});
+  terminal_->start({[this](ByteView bytes) {
+                      check_line();
+                      tell(PortClient::FromProgram{bytes});
+                    },
+                    [this](const std::string& reason) { lost_port(reason); },
+                    [this](bool room) {
+                      if (bridge_) bridge_->pause(!room);
+                      tell(PortClient::ProgramTakes{room});
+                    }});
+}
+
+void PortSession::lost_port(const std::string& reason) {
+  if (over_) return;
+  lost_ = {PortEnd::Kind::kProtocol, {}, "the serial port was closed: " + reason};
+  if (client_.paired()) return tell(PortClient::StopAsked{});
+  end_ = *lost_;
+  wind_up();
 }
 
 // Called before bytes under new settings, and periodically, because a program may only listen.
 void PortSession::check_line() {
-  const auto now = rate_of(pty_.fd());
+  const auto now = port_->settings();
   if (!now || now == settings_) return;
   settings_ = now;
   report_.line(now->baud,
@@ -177,8 +185,8 @@ void PortSession::tick() {
   check_line();
   if (++ticks_ % kChecksOfReport == 0)
     report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), false);
-  report_.show_traffic(client_.bytes_to_device(), client_.bytes_from_device(), bridge_->unsent(),
-                       steady_now());
+  report_.show_traffic(client_.bytes_to_device(), client_.bytes_from_device(),
+                       bridge_ ? bridge_->unsent() : 0, steady_now());
   ticking_.expires_after(kCheckPeriod);
   ticking_.async_wait([this](boost::system::error_code cancelled) {
     if (!cancelled && !over_) tick();
@@ -188,10 +196,36 @@ void PortSession::tick() {
 void PortSession::execute(const PortClient::Dropped& what) { report_.dropped(what.text); }
 
 void PortSession::execute(const PortClient::Finish& what) {
-  end_ = what.end;
-  if (terminal_)
+  if (std::exchange(paired_, false))
     report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), true);
-  wind_up();
+  ended(lost_ ? *lost_ : what.end);
+}
+
+void PortSession::ended(const PortEnd& end) {
+  end_ = end;
+  const auto pause =
+      options_.reconnect ? reconnection_.ended(end, steady_now()) : std::optional<Duration>{};
+  pause ? connect_after(*pause) : wind_up();
+}
+
+// Bytes that the software sends in between are dropped: a PLC cannot use half of a request.
+void PortSession::connect_after(Duration pause) {
+  report_.state("waiting", fmt::format("{}; connects again in {}", end_.text, to_text(pause)));
+  ++attempt_;  // pending handlers of this attempt do nothing
+  resolver_.cancel();
+  timer_.cancel();
+  ticking_.cancel();
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+  // Later, because a handler of this end may be running.
+  asio::post(io_, [bridge = std::exchange(bridge_, nullptr)] {
+    if (bridge) bridge->close();
+  });
+  if (terminal_) terminal_->pause(false);
+  limit_.expires_after(pause);
+  limit_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled && !over_) connect();
+  });
 }
 
 // Sends the rest while there is progress; then the io_context ends. A second signal ends it
@@ -202,22 +236,16 @@ void PortSession::wind_up() {
   resolver_.cancel();
   boost::system::error_code ignored;
   socket_.close(ignored);
-  signals_.cancel();
   timer_.cancel();
   ticking_.cancel();
   limit_.cancel();
-  signals_.async_wait([this](boost::system::error_code fault, int) {
-    for (const auto& side : {bridge_, terminal_}) {
-      if (side && !fault) side->close();
-    }
-  });
   const auto left = std::make_shared<int>(0);
   for (const auto& side : {bridge_, terminal_}) *left += side ? 1 : 0;
-  if (*left == 0) signals_.cancel();
+  if (*left == 0) stops_.cancel();
   for (const auto& side : {bridge_, terminal_}) {
     if (!side) continue;
     side->finish(program::RelayEnd::Until::kTaken, [this, left] {
-      if (--*left == 0) signals_.cancel();
+      if (--*left == 0) stops_.cancel();
     });
   }
   flush(steady_now(), steady_now());

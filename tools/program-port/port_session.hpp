@@ -1,18 +1,19 @@
-// Relays between the bridge's stream and the virtual port with the pure PortClient. Runs on the
-// io_context of main.
+// Relays between the bridge's stream and the local port with the pure PortClient. Connects again
+// after a loss if the options say so; the local port stays open. Runs on the io_context of main.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
 #include "bridge/net/tls.hpp"
 #include "bridge/program/module/relay_end.hpp"
 #include "core/program/port_client.hpp"
+#include "core/program/reconnection.hpp"
+#include "tools/program-port/local_port.hpp"
 #include "tools/program-port/port_report.hpp"
-#include "tools/sim/port/pty_port.hpp"
+#include "tools/program-port/stop_requests.hpp"
 
 namespace fieldcast::port {
 
@@ -22,18 +23,20 @@ struct PortOptions {
   bool tls = false;
   std::string authorities;  // PEM file; empty: the system's
   TlsSpec own;              // the engineer's certificate and key, if any
+  bool reconnect = false;
   program::PortClientRules rules;
 };
 
 class PortSession {
  public:
-  // Owns the virtual port; `report` must outlive the session.
-  PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty,
+  // `report` must outlive the session.
+  PortSession(boost::asio::io_context& io, PortOptions options, std::unique_ptr<LocalPort> port,
               PortReport& report);
   void start();
   [[nodiscard]] const program::PortEnd& end() const { return end_; }
 
  private:
+  void stop();
   void connect();
   void connected(std::unique_ptr<ByteStream> stream);
   void cannot_connect(const std::string& reason);
@@ -45,6 +48,9 @@ class PortSession {
   void execute(const program::PortClient::Dropped& what);
   void execute(const program::PortClient::Finish& what);
   void open_terminal();
+  void lost_port(const std::string& reason);
+  void ended(const program::PortEnd& end);
+  void connect_after(Duration pause);
   void check_line();
   void tick();
   void wind_up();
@@ -53,19 +59,24 @@ class PortSession {
 
   boost::asio::io_context& io_;
   const PortOptions options_;
-  sim::PtyPort pty_;
+  const std::unique_ptr<LocalPort> port_;
   PortReport& report_;
   program::PortClient client_;
+  program::Reconnection reconnection_;
   boost::asio::ip::tcp::resolver resolver_;
   boost::asio::ip::tcp::socket socket_;
-  boost::asio::signal_set signals_;
+  StopRequests stops_;
   boost::asio::steady_timer timer_, ticking_, limit_;
   std::unique_ptr<TlsClient> tls_;
   std::shared_ptr<program::RelayEnd> bridge_, terminal_;
-  std::optional<program::LineSettings> settings_;  // as last seen
+  const std::optional<program::LineSettings> untouched_;  // before any program has set them
+  std::optional<program::LineSettings> settings_;         // as last seen
   unsigned ticks_ = 0;
   std::size_t last_bytes_ = 0;  // bytes waiting for the bridge at the end; 0: none
+  unsigned attempt_ = 0;
   program::PortEnd end_;
+  std::optional<program::PortEnd> lost_;  // reason of an end that this computer causes
+  bool paired_ = false;                   // until the end of the pairing is reported
   bool over_ = false;
 };
 

@@ -8,6 +8,23 @@ namespace {
 using testing::HasSubstr;
 using Port = PortFixture;
 
+std::string content_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Waits until the file contains the text twice.
+bool becomes_twice(const std::string& path, const std::string& text) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{15};
+  while (std::chrono::steady_clock::now() < deadline) {
+    const std::string content = content_of(path);
+    const auto first = content.find(text);
+    if (first != content.npos && content.find(text, first + 1) != content.npos) return true;
+    ::poll(nullptr, 0, 20);
+  }
+  return false;
+}
+
 TEST_F(Port, SoftwareOnTheVirtualPortTalksToAFarPlc) {
   start();
   TcpClient module = this->module("17\n");
@@ -71,6 +88,28 @@ TEST_F(Port, TheLossOfTheDeviceEndsIt) {
   ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
   module.close();
   EXPECT_EQ(port.exit_code(), 6) << port.output();
+}
+
+TEST_F(Port, WithReconnectALostDeviceIsPairedAgainAtTheSamePort) {
+  start();
+  std::optional<TcpClient> module = this->module("17\n");
+  wait_for_module();
+  const std::string log = folder / "log";
+  Process port(FIELDCAST_PORT, arguments({"--reconnect", "--log", log}));
+  ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+  const SerialSoftware software(link, B115200);
+  EXPECT_THAT(port.said("115200 baud"), HasSubstr("115200 baud"));
+  module->close();
+  EXPECT_THAT(port.said("connects again in 1s"), HasSubstr("connects again in 1s"));
+  module.emplace(this->module("17\n"));
+  // The software does not set its baud rate again.
+  ASSERT_TRUE(becomes_twice(log, "the program sets 115200 baud"));
+  software.send("@00x*\r");
+  EXPECT_EQ(module->receive("\r"), "@00x*\r");
+  port.signal(SIGINT);
+  EXPECT_EQ(port.exit_code(), 0) << port.output();
+  EXPECT_THAT(content_of(log), testing::ContainsRegex("[0-9]Z  17: paired"));
+  EXPECT_THAT(content_of(log), HasSubstr("17: stopped"));
 }
 
 TEST_F(Port, TheEndOfTheBridgeEndsIt) {
