@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs missing packages of Debian 12 or 13 and shows the progress. Prints nothing and works offline if nothing is missing.
 #
-#   tools/install.sh [build | package | image | test | campaign | ci | reference]
+#   tools/install.sh [build | package | image | test | campaign | ci | reference | windows]
 #   tools/install.sh cross ARCH
 #
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
 # tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
-# tools/reference.sh. Works as root or with sudo. ci does not install packages that would start a server; it unpacks the programs it needs
-# from them to build/unpacked/PACKAGE.
+# tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with sudo. ci does not install packages that would
+# start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
 # cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
 # libraries of ARCH replace those of this machine.
 set -euo pipefail
@@ -64,6 +64,10 @@ campaign=(
 # runc and umoci run the container image in a test, rsync is for tools/in_root.sh
 ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci rsync)
 
+# The compiler of mingw-w64 with POSIX threads, make and perl for OpenSSL, the maker of the installer, and wine for the tests.
+windows=(cmake ninja-build ccache g++-mingw-w64-x86-64-posix make perl libboost-dev libfmt-dev libcli11-dev libexpected-dev nsis wine64 python3
+         python3-serial openssl)
+
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 
 case "${1:-test}" in
@@ -74,6 +78,7 @@ case "${1:-test}" in
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   reference) packages=(doxygen) ;;
+  windows) packages=("${windows[@]}") ;;
   cross)
     arch=${2:?tools/install.sh: cross needs an architecture}
     [ -f /etc/fieldcast-root ] || fail "cross changes the libraries of a whole system; run it by tools/in_root.sh"
@@ -105,7 +110,7 @@ udev udevadm .
 TABLE
 fi
 # Checks the command instead of the package, because Debian's npm conflicts with a node from another source.
-[ "${1:-test}" = image ] || command -v npm >/dev/null || missing+=(nodejs npm)
+[[ "${1:-test}" =~ ^(image|windows)$ ]] || command -v npm >/dev/null || missing+=(nodejs npm)
 [ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0
 
 as_root=()

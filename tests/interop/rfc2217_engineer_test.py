@@ -21,6 +21,7 @@ import unittest
 import serial
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from host_link_session import run_session
 from peers import DEADLINE, Program, free_port, settings_of
 from plant import Plant, claim_domain, running_bridge, wait_until
 
@@ -51,13 +52,6 @@ buses:
     protocol: omron-hostlink
     devices: [ { name: plc, number: E1, address: 0, channels: [ { name: level, at: DM100, type: uint16, refresh: 10s } ] } ]
 """
-
-
-def host_link(text):
-    check = 0
-    for character in text.encode():
-        check ^= character
-    return f"{text}{check:02X}*\r".encode()
 
 
 def rfc2217(port, **settings):
@@ -115,26 +109,9 @@ class PlcTest(unittest.TestCase):
             return done.code == 0 and [entry for entry in done.json_lines() if result in entry["result"]]
         return wait_until(row, DEADLINE, f"no row of the audit with '{result}'")[-1]
 
-    def program(self, write, read_until):
-        """Writes 60 areas of 20 words and reads them back, as a download and an upload."""
-        sent, received, words = 0, 0, random.Random(7)
-        areas = ["".join(f"{words.randrange(65536):04X}" for _ in range(20)) for _ in range(60)]
-        for command in [host_link(f"@00WD{1000 + 20 * i:04d}{area}") for i, area in enumerate(areas)]:
-            write(command)
-            response = read_until()
-            self.assertEqual(response, host_link("@00WD00"))
-            sent, received = sent + len(command), received + len(response)
-        for i, area in enumerate(areas):
-            command = host_link(f"@00RD{1000 + 20 * i:04d}0020")
-            write(command)
-            response = read_until()
-            self.assertEqual(response, host_link("@00RD00" + area))
-            sent, received = sent + len(command), received + len(response)
-        return sent, received
-
     def test_programs_by_rfc2217_and_the_audit_has_every_byte(self):
         with rfc2217(self.ports["telnet"], **SEVEN_E_TWO) as port:
-            sent, received = self.program(port.write, lambda: port.read_until(b"\r"))
+            sent, received = run_session(self, port.write, lambda: port.read_until(b"\r"))
             self.assertTrue(port.cts and port.dsr and port.cd)
         row = self.ended("ended: the client disconnected")
         self.assertEqual((row["bytes_to_device"], row["bytes_from_device"], row["target"]), (sent, received, "line/plc"))
@@ -143,7 +120,7 @@ class PlcTest(unittest.TestCase):
     def test_a_recorded_session_can_be_inspected_and_repeated(self):
         before = set(glob.glob(os.path.join(self.plant.run, "line-*.pcapng")))
         with rfc2217(self.ports["telnet"], **SEVEN_E_TWO) as port:
-            self.program(port.write, lambda: port.read_until(b"\r"))
+            run_session(self, port.write, lambda: port.read_until(b"\r"))
         self.ended("ended: the client disconnected")
 
         def explained():
@@ -163,7 +140,7 @@ class PlcTest(unittest.TestCase):
 
     def test_programs_by_raw_bytes(self):
         with socket.create_connection(("127.0.0.1", self.ports["raw"]), DEADLINE) as peer, peer.makefile("rb") as lines:
-            self.program(peer.sendall, lambda: read_line(lines))
+            run_session(self, peer.sendall, lambda: read_line(lines))
         self.ended("paired, raw bytes")
 
     def test_the_line_follows_the_software_and_has_its_own_settings_again(self):
@@ -189,7 +166,7 @@ class PlcTest(unittest.TestCase):
         with Program("ser2net", "-n", "-c", config):
             peer = wait_until(lambda: connected(outside), DEADLINE, "ser2net does not listen")
             with peer, peer.makefile("rb") as lines:
-                self.program(peer.sendall, lambda: read_line(lines))
+                run_session(self, peer.sendall, lambda: read_line(lines))
         self.ended("ended: the client disconnected")
 
     def test_a_second_user_is_refused(self):
