@@ -88,3 +88,21 @@ tools/build.sh --folder build-windows -DCMAKE_TOOLCHAIN_FILE=tools/windows.cmake
 program=$folder/bin/fieldcast-port.exe
 [ "$(stat -c %s "$program")" -le 6000000 ] || fail "$program is larger than 6 MB"
 ls -l "$program"
+[ "$installer" = yes ] || exit 0
+
+# The licences of the libraries in the program, with the texts of Debian's packages.
+files=$folder/installer packages=$folder/packages
+rm -rf "$files"
+mkdir -p "$files" "$packages"
+cp "$program" "$files/"
+sed 's/$/\r/' LICENSE >"$files/license.txt"
+for package in openssl libboost-dev libfmt-dev libcli11-dev libexpected-dev mingw-w64-x86-64-dev gcc-mingw-w64-x86-64-posix-runtime; do
+  [ -f "/usr/share/doc/$package/copyright" ] || fail "/usr/share/doc/$package/copyright is missing"
+  printf '==== %s\n\n' "$package"
+  cat "/usr/share/doc/$package/copyright"
+done | sed 's/$/\r/' >"$files/notices.txt"
+version=$(sed -n 's/^project(fieldcast VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+rm -f "$packages"/fieldcast-port-*-setup.exe
+setup=$packages/fieldcast-port-$version-setup.exe
+makensis -V2 -NOCD -DVERSION="$version" -DFILES="$files" -DOUTPUT="$setup" tools/program-port/windows/installer.nsi >&2
+ls -l "$setup"

@@ -1,12 +1,13 @@
 """Tests fieldcast-port.exe under Wine: a simulated PLC is programmed through a COM port, which is a pseudo-terminal here.
 
-usage: windows_test.py BIN_FOLDER PROGRAM
+usage: windows_test.py BIN_FOLDER WINDOWS_FOLDER
 
-PROGRAM is build-windows/bin/fieldcast-port.exe (tools/windows.sh). All traffic is on 127.0.0.1; Wine has a prefix of its own.
+WINDOWS_FOLDER is build-windows, with bin/fieldcast-port.exe and packages/*-setup.exe (tools/windows.sh). All traffic is on 127.0.0.1; Wine has a prefix of its own.
 """
 
 import contextlib
 import fcntl
+import glob
 import json
 import os
 import pty
@@ -29,7 +30,7 @@ from host_link_session import host_link, run_session
 from peers import DEADLINE, free_port
 from plant import Failure, Plant, wait_until
 
-BIN, PROGRAM = "", ""
+BIN, PROGRAM, SETUP = "", "", ""
 WINE = "/usr/lib/wine"  # Debian's wine64 has no program in /usr/bin
 STOPPED, FAILURE, USAGE, REFUSED, NO_PORT, NO_BRIDGE, DEVICE_LOST = range(7)
 PASSWORDS = {"ann": "correct horse", "bob": "battery staple"}
@@ -376,6 +377,21 @@ class Service(OnePlant):
         self.assertEqual(wine.port("service", "remove", "plc").returncode, FAILURE)
 
 
+class Installer(unittest.TestCase):
+    def test_installs_and_removes_every_file(self):
+        folder = os.path.join(wine.environment["WINEPREFIX"], "drive_c", "Program Files", "Fieldcast")
+        entry = r"HKLM\Software\Microsoft\Windows\CurrentVersion\Uninstall\FieldcastPort"
+        self.assertEqual(wine.run(SETUP, "/S").returncode, 0)
+        self.assertEqual(sorted(os.listdir(folder)), ["fieldcast-port.exe", "license.txt", "notices.txt", "uninstall.exe"])
+        self.assertIn("fieldcast-port ", wine.run(os.path.join(folder, "fieldcast-port.exe"), "--version").stdout)
+        self.assertEqual(wine.run("reg", "query", entry, "/v", "DisplayName", "/reg:64").returncode, 0)
+        wine.run(os.path.join(folder, "uninstall.exe"), "/S")  # continues in a copy of itself
+        wait_until(lambda: not os.path.exists(folder), DEADLINE, lambda: f"{os.listdir(folder)} is left")
+        self.assertNotEqual(wine.run("reg", "query", entry, "/v", "DisplayName", "/reg:64").returncode, 0)
+
+
 if __name__ == "__main__":
-    BIN, PROGRAM = sys.argv[1:3]
+    BIN, windows_folder = sys.argv[1:3]
+    PROGRAM = os.path.join(windows_folder, "bin", "fieldcast-port.exe")
+    SETUP, = glob.glob(os.path.join(windows_folder, "packages", "*-setup.exe"))
     unittest.main(argv=sys.argv[:1] + sys.argv[3:])
