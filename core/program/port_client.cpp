@@ -235,4 +235,12 @@ void PortClient::finish(PortEnd::Kind kind, std::string text, Actions& actions,
   actions.push_back(Finish{{kind, reply, std::move(text)}});
 }
 
+std::string slow_path_text(Duration round_trip) {
+  constexpr Duration kShort = std::chrono::milliseconds{50};
+  if (round_trip < kShort) return {};
+  const auto whole = std::chrono::round<std::chrono::milliseconds>(round_trip);
+  return "the network adds " + fieldcast::to_text(Duration(whole)) +
+         " to each response: if the software reports timeouts, set a longer response timeout in it";
+}
+
 }  // namespace fieldcast::program

@@ -118,4 +118,8 @@ class PortClient {
   Instant timer_ = kNever;
 };
 
+// Warns of a network whose round trip (of the connection to the bridge) may be longer than the
+// programming software waits for a response. Empty if it is short.
+[[nodiscard]] std::string slow_path_text(Duration round_trip);
+
 }  // namespace fieldcast::program

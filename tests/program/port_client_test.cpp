@@ -308,5 +308,12 @@ TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
   }
 }
 
+TEST(SlowPath, IsReportedWithItsTime) {
+  EXPECT_EQ(slow_path_text(std::chrono::microseconds{49'999}), "");
+  EXPECT_EQ(slow_path_text(std::chrono::microseconds{301'400}),
+            "the network adds 301ms to each response: if the software reports timeouts, set a "
+            "longer response timeout in it");
+}
+
 }  // namespace
 }  // namespace fieldcast::program

@@ -70,23 +70,25 @@ void PortSession::connect() {
       [this, attempt](boost::system::error_code fault, tcp::resolver::results_type found) {
         if (over_ || attempt != attempt_) return;
         if (fault) return cannot_connect(fault.message());
-        asio::async_connect(
-            socket_, found,
-            [this, attempt](boost::system::error_code refused, const tcp::endpoint&) {
-              if (over_ || attempt != attempt_) return;
-              if (refused) return cannot_connect(refused.message());
-              tune_bridge_socket(socket_);
-              if (!options_.tls) return connected(socket_stream(std::move(socket_)));
-              auto tls = TlsClient::make(options_.authorities, options_.own);
-              if (!tls) return cannot_connect(tls.error());
-              tls_ = std::move(*tls);
-              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
-                                [this, attempt](TlsResult stream) {
-                                  if (over_ || attempt != attempt_) return;
-                                  stream ? connected(std::move(*stream))
-                                         : cannot_connect(stream.error());
-                                });
-            });
+        asio::async_connect(socket_, found,
+                            [this, attempt, began = steady_now()](boost::system::error_code refused,
+                                                                  const tcp::endpoint&) {
+                              if (over_ || attempt != attempt_) return;
+                              round_trip_ = steady_now() - began;
+                              if (refused) return cannot_connect(refused.message());
+                              tune_bridge_socket(socket_);
+                              if (!options_.tls)
+                                return connected(socket_stream(std::move(socket_)));
+                              auto tls = TlsClient::make(options_.authorities, options_.own);
+                              if (!tls) return cannot_connect(tls.error());
+                              tls_ = std::move(*tls);
+                              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
+                                                [this, attempt](TlsResult stream) {
+                                                  if (over_ || attempt != attempt_) return;
+                                                  stream ? connected(std::move(*stream))
+                                                         : cannot_connect(stream.error());
+                                                });
+                            });
       });
 }
 
@@ -137,6 +139,8 @@ void PortSession::execute(const PortClient::Paired&) {
   reconnection_.paired(steady_now());
   report_.paired(steady_now());
   report_.state("paired", fmt::format("paired; {}", kLocalPortOption.ready));
+  if (const std::string slow = program::slow_path_text(round_trip_); !slow.empty())
+    report_.state("slow", slow);
   settings_ = untouched_;
   paired_ = true;
   if (!terminal_) open_terminal();

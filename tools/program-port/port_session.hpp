@@ -74,6 +74,7 @@ class PortSession {
   unsigned ticks_ = 0;
   std::size_t last_bytes_ = 0;  // bytes waiting for the bridge at the end; 0: none
   unsigned attempt_ = 0;
+  Duration round_trip_{};  // of the network, with each request of the software
   program::PortEnd end_;
   std::optional<program::PortEnd> lost_;  // reason of an end that this computer causes
   bool paired_ = false;                   // until the end of the pairing is reported
