@@ -19,6 +19,7 @@ import serial
 
 TESTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests")
 sys.path[:0] = [os.path.join(TESTS, "tools"), os.path.join(TESTS, "interop")]
+from host_link_session import host_link  # noqa: E402
 from peers import DEADLINE, Program, free_port  # noqa: E402
 from plant import claim_domain, running_bridge, wait_until  # noqa: E402
 
@@ -31,13 +32,6 @@ buses:
     protocol: omron-hostlink
     devices: [ {{ name: plc, number: P1, address: 0, channels: [ {{ name: level, at: DM100, type: uint16, refresh: 10s }} ] }} ]
 """
-
-
-def host_link(text):
-    check = 0
-    for character in text.encode():
-        check ^= character
-    return f"{text}{check:02X}*\r".encode()
 
 
 def rate(port, exchanges):

@@ -87,8 +87,9 @@ void unshelve_alarms(const Api& api, const HttpRequest& request, const Caller& c
 
 namespace {
 
-void act_on_device(Checked<AlarmAction> (*action_in)(const Body& body), CommandSink& commands,
-                   const HttpRequest& request, const Caller& caller, const Reply& reply) {
+void act_on_device(Checked<AlarmAction> (*action_in)(const nlohmann::json& body),
+                   CommandSink& commands, const HttpRequest& request, const Caller& caller,
+                   const Reply& reply) {
   const auto body = body_of(request);
   if (!body) return reply(body.error());
   auto action = action_in(*body);
