@@ -21,13 +21,15 @@ bool is_final(const PortEnd& end) {
 
 }  // namespace
 
-std::optional<Duration> Reconnection::ended(const PortEnd& end, Instant now) {
+std::optional<Reconnection::Next> Reconnection::ended(const PortEnd& end, Instant now) {
   if (is_final(end)) return std::nullopt;
   const Instant since = std::exchange(paired_at_, kNever);
   if (since != kNever && now - since >= kProven) next_ = kFirst;
-  const Duration pause = next_;
+  if (end.kind == PortEnd::Kind::kDeviceLost && since != kNever && now - sent_at_ >= kSilent)
+    return Next{.when_program_sends = true};
+  const Next next{.pause = next_};
   next_ = std::min(next_ * 2, kLongest);
-  return pause;
+  return next;
 }
 
 }  // namespace fieldcast::program

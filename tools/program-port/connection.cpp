@@ -58,7 +58,8 @@ void describe_connection(CommandLine& line, Connection& given) {
       .show_default();
   line.flag("--reconnect", given.reconnect,
             "connect again when the bridge or the device is lost or not there, after 1 s and up to "
-            "1 min; the port stays open. A refused login ends the program");
+            "1 min, or when the software sends again; the port stays open. A refused login ends "
+            "the program");
   line.text("--log", given.log, "file to which all lines are appended, with their time");
   line.flag("--json", given.json, "say everything as JSON lines");
 }

@@ -157,6 +157,8 @@ void PortSession::open_terminal() {
   if (!stream) return lost_port("it cannot be read");
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
   terminal_->start({[this](ByteView bytes) {
+                      if (std::exchange(awaits_program_, false)) return connect();
+                      reconnection_.program_sent(steady_now());
                       check_line();
                       tell(PortClient::FromProgram{bytes});
                     },
@@ -207,14 +209,16 @@ void PortSession::execute(const PortClient::Finish& what) {
 
 void PortSession::ended(const PortEnd& end) {
   end_ = end;
-  const auto pause =
-      options_.reconnect ? reconnection_.ended(end, steady_now()) : std::optional<Duration>{};
-  pause ? connect_after(*pause) : wind_up();
+  const auto next = options_.reconnect ? reconnection_.ended(end, steady_now())
+                                       : std::optional<program::Reconnection::Next>{};
+  next ? connect_later(*next) : wind_up();
 }
 
 // Bytes that the software sends in between are dropped: a PLC cannot use half of a request.
-void PortSession::connect_after(Duration pause) {
-  report_.state("waiting", fmt::format("{}; connects again in {}", end_.text, to_text(pause)));
+void PortSession::connect_later(const program::Reconnection::Next& next) {
+  const std::string when =
+      next.when_program_sends ? "when the software sends" : "in " + to_text(next.pause);
+  report_.state("waiting", fmt::format("{}; connects again {}", end_.text, when));
   ++attempt_;  // pending handlers of this attempt do nothing
   resolver_.cancel();
   timer_.cancel();
@@ -226,7 +230,9 @@ void PortSession::connect_after(Duration pause) {
     if (bridge) bridge->close();
   });
   if (terminal_) terminal_->pause(false);
-  limit_.expires_after(pause);
+  awaits_program_ = next.when_program_sends;
+  if (awaits_program_) return;
+  limit_.expires_after(next.pause);
   limit_.async_wait([this](boost::system::error_code cancelled) {
     if (!cancelled && !over_) connect();
   });

@@ -50,7 +50,7 @@ class PortSession {
   void open_terminal();
   void lost_port(const std::string& reason);
   void ended(const program::PortEnd& end);
-  void connect_after(Duration pause);
+  void connect_later(const program::Reconnection::Next& next);
   void check_line();
   void tick();
   void wind_up();
@@ -77,6 +77,7 @@ class PortSession {
   Duration round_trip_{};  // of the network, with each request of the software
   program::PortEnd end_;
   std::optional<program::PortEnd> lost_;  // reason of an end that this computer causes
+  bool awaits_program_ = false;           // connects when the program sends
   bool paired_ = false;                   // until the end of the pairing is reported
   bool over_ = false;
 };

@@ -282,6 +282,19 @@ class Losses(OnePlant):
         self.assertEqual([sum(state in line for line in lines) for state in ("paired", "connects again", "stopped")], [2, 1 + lines_of_retry(lines), 1])
 
 
+    def test_a_device_that_was_not_in_use_is_paired_when_the_software_sends(self):
+        with Session(*self.options("--reconnect")) as session:
+            session.wait_for("paired")
+            time.sleep(11)  # the software is silent for longer than 10 s
+            self.restart_bridge()
+            session.wait_for("connects again when the software sends")
+            os.write(wine.software, host_link("@00RD01000001"))
+            session.wait_for("paired", times=2)
+            run_session(self, lambda command: os.write(wine.software, command), wine.read_line)
+            session.press_ctrl_c()
+            self.assertEqual(session.code(), STOPPED, session.said())
+
+
 def lines_of_retry(lines):
     """The bridge may need longer than the first pause."""
     return sum("connects again" in line for line in lines) - 1
