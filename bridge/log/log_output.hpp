@@ -1,5 +1,5 @@
-// What a LineWriter needs of the operating system. Only for bridge/log, and for the files of Windows
-// that take the place of log_output.cpp.
+// What a LineWriter needs of the operating system. Only for bridge/log, and for the file of Windows
+// that takes the place of log_output.cpp.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Output of fieldcast-port as text or JSON lines, to standard output and to a log file. On a terminal
-// the byte counters are one redrawn line. Main thread; a lost line is not an error.
+// Output of fieldcast-port as text or JSON lines, to standard output and to a log file. The byte
+// counters are one redrawn line on a terminal. Main thread; a lost line is not an error.
 #pragma once
 
 #include <optional>

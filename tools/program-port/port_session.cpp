@@ -67,7 +67,7 @@ void PortSession::connect() {
                 fmt::format("connecting to {}:{}", options_.host, options_.server_port));
   resolver_.async_resolve(
       options_.host, std::to_string(options_.server_port),
-      [this, attempt](boost::system::error_code fault, tcp::resolver::results_type found) {
+      [this, attempt](boost::system::error_code fault, const tcp::resolver::results_type& found) {
         if (over_ || attempt != attempt_) return;
         if (fault) return cannot_connect(fault.message());
         asio::async_connect(socket_, found,
