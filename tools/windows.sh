@@ -4,8 +4,8 @@
 #   tools/windows.sh [--program]
 #
 # Installs missing packages (tools/install.sh windows). Downloads the source of OpenSSL from the package servers of this machine, which
-# apt verifies, and builds it once for each version. --program: without the installer. Prints the two files with their sizes. The same
-# commit, compiler and OpenSSL give the same bytes; nothing is signed.
+# apt verifies, and builds it once; delete build-windows/root to build a newer one. --program: without the installer. Prints the two files
+# with their sizes. The same commit, compiler and OpenSSL give the same bytes; nothing is signed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -14,7 +14,7 @@ installer=yes
 case "${1:-}" in
   '') ;;
   --program) installer=no ;;
-  *) sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+  *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 
 tools/install.sh windows

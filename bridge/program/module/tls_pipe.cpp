@@ -45,8 +45,8 @@ FileDescriptor TlsPipe::start(std::function<void()> over) {
 
 void TlsPipe::relay(std::unique_ptr<ByteStream> plain) {
   plain_ = std::make_shared<RelayEnd>(std::move(plain));
-  const auto join = [self = shared_from_this()](std::shared_ptr<RelayEnd> from,
-                                                std::shared_ptr<RelayEnd> to) {
+  const auto join = [self = shared_from_this()](const std::shared_ptr<RelayEnd>& from,
+                                                const std::shared_ptr<RelayEnd>& to) {
     from->start({[to](ByteView bytes) { to->send(bytes); },
                  [self, to](const std::string&) { self->gone(*to); },
                  [to](bool room) { to->pause(!room); }});
