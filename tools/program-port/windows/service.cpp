@@ -116,6 +116,7 @@ tl::expected<void, std::string> remove_service(const std::string& name) {
 
 tl::expected<int, std::string> run_service(std::function<int()> session) {
   session_of_service = std::move(session);
+  ignore_console();
   char name[] = "";
   const SERVICE_TABLE_ENTRYA services[] = {{name, service_main}, {nullptr, nullptr}};
   if (!::StartServiceCtrlDispatcherA(services))

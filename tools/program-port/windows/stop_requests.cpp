@@ -1,5 +1,6 @@
 #include "tools/program-port/stop_requests.hpp"
 
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <chrono>
@@ -20,8 +21,11 @@ std::mutex guard;
 std::condition_variable ended;
 std::function<void()> notify;  // empty: no session
 bool requested = false;
+std::atomic<bool> console_ends_session = true;
 
+// The default handler would end the process.
 BOOL WINAPI on_control(DWORD what) {
+  if (!console_ends_session) return TRUE;
   request_stop();
   if (what == CTRL_C_EVENT || what == CTRL_BREAK_EVENT) return TRUE;
   std::unique_lock lock(guard);
@@ -36,6 +40,8 @@ void request_stop() {
   requested = true;
   if (notify) notify();
 }
+
+void ignore_console() { console_ends_session = false; }
 
 struct StopRequests::State {
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work;

@@ -7,4 +7,8 @@ namespace fieldcast::port {
 // thread.
 void request_stop();
 
+// From now on only request_stop() ends the session. For a service: Windows reports to it that a
+// user has logged off, which any user may do. Call it before the session.
+void ignore_console();
+
 }  // namespace fieldcast::port
