@@ -179,16 +179,16 @@ class DeclarationReader {
         map.fault(key, fmt::format("'{}' has no meaning for a frame without a request", key),
                   "no '" + std::string(key) + "'");
     }
-    const bool unanswered =
-        map.read("unanswered", draft.operation.unanswered, DurationRule{kMinPause, kMaxPause}) ||
-        map.has("unanswered");
+    const bool no_response =
+        map.read("no-response", draft.operation.no_response, DurationRule{kMinPause, kMaxPause}) ||
+        map.has("no-response");
     for (const auto key : {kForm, kForms}) {
-      if (unanswered && map.find(key) != nullptr)
+      if (no_response && map.find(key) != nullptr)
         map.fault(key, fmt::format("'{}' has no meaning for a write without a response", key),
-                  fmt::format("no '{}', or no 'unanswered'", key));
+                  fmt::format("no '{}', or no 'no-response'", key));
     }
     const Node* forms = map.find(kForms);
-    if (unanswered)
+    if (no_response)
       draft.response.position = node.position, draft.response.good = draft.operation.write;
     else if (forms == nullptr)
       draft.response = frame(kForm);

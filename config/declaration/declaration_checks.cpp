@@ -31,7 +31,7 @@ class OperationCheck {
     check_variable(draft_.response);
     check_blocks();
     check_unsolicited();
-    check_unanswered();
+    check_no_response();
     check_rate();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
@@ -266,12 +266,12 @@ class OperationCheck {
   }
 
   // Only reading back shows whether such a write took effect.
-  void check_unanswered() {
-    if (operation_.unanswered == Duration::zero()) return;
+  void check_no_response() {
+    if (operation_.no_response == Duration::zero()) return;
     needs(operation_.write && !area_.trigger, draft_.position,
           fmt::format("'{}' has no response, and is no write whose effect can be read",
                       operation_.name),
-          area_.trigger ? "an 'answer', or a write to an area that is read"
+          area_.trigger ? "no 'no-response', or a write to an area that is read"
                         : "write: an area that another operation reads");
   }
 

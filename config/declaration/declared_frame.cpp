@@ -19,9 +19,9 @@ constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
                                       "prefix", "base", "origin", "trigger"};
 constexpr std::string_view kCrc[] = {"width",     "polynomial", "start",
                                      "final-xor", "reflect-in", "reflect-out"};
-constexpr std::string_view kOperation[] = {"name",   "read",        "write",     "command",
-                                           "before", "unsolicited", "count",     "request",
-                                           "answer", "answers",     "unanswered"};
+constexpr std::string_view kOperation[] = {"name",   "read",        "write",       "command",
+                                           "before", "unsolicited", "no-response",  // frames:
+                                           "count",  "request",     "answer",      "answers"};
 constexpr std::string_view kRound[] = {"name", "command", "request",  // and the response:
                                        "answer"};
 constexpr std::string_view kCount[] = {"from", "to"};

@@ -161,7 +161,7 @@ OutcomeRouter::OutcomeRouter(BusParts& parts, Arbiter& arbiter)
 
 std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink& sink) {
   const Wire::Ended ended = parts_.wire().conclude(done, now);
-  if (ended.unanswered) {  // says nothing about the device
+  if (ended.without_response) {  // says nothing about the device
     deliver(parts_.wire().take(), ended, now, sink);
     return std::nullopt;
   }

@@ -57,7 +57,7 @@ struct Area {
   Duration unsolicited{};
   // Longest pause behind a write that no response follows; reading back shows its effect. Zero:
   // every write has a response.
-  Duration unanswered{};
+  Duration no_response{};
 };
 
 [[nodiscard]] constexpr bool in_one_bank(const Area& area, std::uint32_t first, std::uint32_t end) {
@@ -169,7 +169,9 @@ struct Step {
   static Step send(std::size_t response_characters) {
     return {Kind::kSend, Wait::kResponse, static_cast<std::uint32_t>(response_characters)};
   }
-  static Step send_unanswered(Duration pause) { return {Kind::kSend, Wait::kPause, 0, pause}; }
+  static Step send_without_response(Duration pause) {
+    return {Kind::kSend, Wait::kPause, 0, pause};
+  }
   static Step need_response() { return {Kind::kNeedMore, Wait::kResponse, 0}; }
   static Step need_rest(std::size_t missing) {
     return {Kind::kNeedMore, Wait::kRestOfFrame, static_cast<std::uint32_t>(missing)};

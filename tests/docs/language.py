@@ -65,7 +65,7 @@ def prose_of(path, text):
 # Right uses: names of interfaces, and words in another sense.
 RIGHT_USES = [
     r"\bGONE\b", r"^gone$", r"high gone", r"\b17 ANSWER\b", r"REQUIRES:.*answer", r"answer_time", r"\broom(?:s)? (?:for|thermostats|again|is free)",
-    r"mak(?:es|e) room", r"no room", r"count request answer", r"^answers?$", r"answer value", r"Answer::", r"(?:Replays |rounds, )answers", r"trouble alert",
+    r"mak(?:es|e) room", r"no room", r"count request answer", r"^answers?$", r"'answer'", r"answer value", r"Answer::", r"(?:Replays |rounds, )answers", r"trouble alert",
 ]
 
 

@@ -82,7 +82,7 @@ bool CommandJob::has_plainer_form() const {
 
 void CommandJob::wrote() {
   const CommandSubject& subject = subjects_.front();
-  const bool silent = area(subject.range).unanswered > Duration::zero();
+  const bool silent = area(subject.range).no_response > Duration::zero();
   if ((command_.verify || silent) && subject.readable)
     phase_ = Phase::kReadBack;
   else

@@ -30,8 +30,8 @@ void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   response_deadline_ = sent_until_ + timeout_;
   hard_deadline_ =
       response_deadline_ + response_line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
-  unanswered_ = step.wait == Wait::kPause;
-  deadline_ = unanswered_ ? sent_until_ + step.pause : response_deadline_;
+  without_response_ = step.wait == Wait::kPause;
+  deadline_ = without_response_ ? sent_until_ + step.pause : response_deadline_;
   last_byte_ = now;
 }
 

@@ -55,7 +55,7 @@ class ExchangeDriver {
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
   [[nodiscard]] unsigned requests() const { return requests_; }
   // Whether no response is expected to the last request.
-  [[nodiscard]] bool unanswered() const { return unanswered_; }
+  [[nodiscard]] bool without_response() const { return without_response_; }
   // Rate of the response to the last request; 0: that of the line.
   [[nodiscard]] std::uint32_t response_baud() const {
     return response_line_.baud == line_.baud ? 0 : response_line_.baud;
@@ -104,7 +104,7 @@ class ExchangeDriver {
   std::unique_ptr<Exchange> exchange_;
   Duration timeout_{};
   unsigned requests_ = 0;
-  bool unanswered_ = false;
+  bool without_response_ = false;
   Bytes sent_;
   Bytes received_;  // since the last send, without the echo
   Instant sent_until_{}, confirmed_until_ = kLongAgo;

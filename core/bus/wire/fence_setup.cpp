@@ -22,7 +22,7 @@ Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   const bool nameless = (*protocol)->traits().identity == ResponseIdentity::kNone;
   const auto size = (*protocol)->size(ReadRequest{{device.channels.front().range}});
   Duration wait = device.timeout * (nameless ? PendingResponses::kLateFactor : 1);
-  for (const Area& area : (*protocol)->areas()) wait = std::max(wait, area.unanswered);
+  for (const Area& area : (*protocol)->areas()) wait = std::max(wait, area.no_response);
   return wait + bus.gap_allowance + device.pause + (size ? size->pauses : Duration{});
 }
 

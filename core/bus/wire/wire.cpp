@@ -83,8 +83,8 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   Ended ended;
   ended.done = done;
   ended.cause = done ? Cause::kNone : driver_.cause();
-  ended.unanswered = done && driver_.unanswered();
-  ended.responded = (done && !ended.unanswered) || ended.cause == Cause::kDeviceError ||
+  ended.without_response = done && driver_.without_response();
+  ended.responded = (done && !ended.without_response) || ended.cause == Cause::kDeviceError ||
                     ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();

@@ -88,8 +88,8 @@ class Wire {
 
   struct Ended {
     bool done = false;
-    bool responded = false;   // with values or with a refusal
-    bool unanswered = false;  // `done` without a response, as none was expected
+    bool responded = false;         // with values or with a refusal
+    bool without_response = false;  // `done`, and no response was expected
     Cause cause = Cause::kNone;
     std::uint16_t device_code = 0;
     std::unique_ptr<Exchange> exchange;  // contains the reply if `done`

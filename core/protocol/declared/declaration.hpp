@@ -179,7 +179,7 @@ struct Operation {
   // Usual time between two frames that the device sends by itself; zero: it waits for `request`.
   Duration unsolicited{};
   // Pause behind a write that has no `response`; zero: it has one.
-  Duration unanswered{};
+  Duration no_response{};
   // Whether the response of a write can have the bytes of its request.
   [[nodiscard]] bool echoes() const;
   // Baud of the response if its request repeats this code; empty: the usual one. 0: that of the

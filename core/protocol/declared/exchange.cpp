@@ -241,7 +241,8 @@ Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoResponse;
   fallback_.reset();
-  if (operation_.unanswered > Duration::zero()) return Step::send_unanswered(operation_.unanswered);
+  if (operation_.no_response > Duration::zero())
+    return Step::send_without_response(operation_.no_response);
   // A block may have more than its known values; the wait must last for all of it.
   Step step = Step::send(has_block(operation_.response)
                              ? kMaxFrame
@@ -272,7 +273,7 @@ std::vector<Range> DeclaredExchange::absent_places(const Frame& form,
 Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
   if (all.size() > most_) return fail(Step::failed(Cause::kOverlong));
   if (round_ < rounds_.size()) return on_round(all, out);
-  if (operation_.unanswered > Duration::zero()) return Step::pause_for(operation_.unanswered);
+  if (operation_.no_response > Duration::zero()) return Step::pause_for(operation_.no_response);
   Search search(all, *declaration_, operation_, context_);
   search.run(false);
   silence_ = search.cause();
@@ -302,7 +303,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
 }
 
 Step DeclaredExchange::on_silence(Bytes&) {
-  if (round_ == rounds_.size() && operation_.unanswered > Duration::zero()) {
+  if (round_ == rounds_.size() && operation_.no_response > Duration::zero()) {
     reply_.assign(1, {});
     return Step::done();
   }

@@ -31,7 +31,7 @@ class Readings {
     const bool unsolicited = operation.unsolicited > Duration::zero();
     if (!unsolicited) offer(operation, area, operation.request, "request: ", Sender::kBridge);
     const std::string title = unsolicited ? "unsolicited: " : "response: ";
-    if (operation.unanswered == Duration::zero())
+    if (operation.no_response == Duration::zero())
       offer(operation, area, operation.response, title, Sender::kDevice);
     for (const Frame& other : operation.others)
       offer(operation, area, other, title, Sender::kDevice);

@@ -50,7 +50,7 @@ ResponseIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
                                [&](const Operation& each) {
-                                 return each.unanswered > Duration::zero() ||
+                                 return each.no_response > Duration::zero() ||
                                         in_each_form(each, kind);
                                }) &&
            std::ranges::all_of(declaration.refusals,
@@ -80,7 +80,7 @@ class DeclaredProtocol final : public Protocol {
           area.unsolicited = operation.unsolicited;
           continue;
         }
-        area.unanswered = std::max(area.unanswered, operation.unanswered);
+        area.no_response = std::max(area.no_response, operation.no_response);
         if (operation.write)
           area.writable = true, area.max_write = std::max(area.max_write, operation.max_count);
         else
@@ -131,7 +131,7 @@ class DeclaredProtocol final : public Protocol {
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
         .response_characters = sizes.response + items(sizes.response_items, operation.response),
         .rounds = 1 + static_cast<std::uint32_t>(operation.before.size()),
-        .pauses = operation.unanswered};
+        .pauses = operation.no_response};
     if (sizes.response_baud == 0) return size;
     LineFormat line = line_;
     line.baud = sizes.response_baud;
@@ -165,7 +165,7 @@ class DeclaredProtocol final : public Protocol {
     const auto first = operation_for(earlier), second = operation_for(later);
     if (!first || !second) return true;
     const Operation &a = declaration_->operations[*first], &b = declaration_->operations[*second];
-    if (a.unanswered > Duration::zero() || b.unanswered > Duration::zero()) return false;
+    if (a.no_response > Duration::zero() || b.no_response > Duration::zero()) return false;
     if (in_each_form(a, FieldKind::kCommand) && in_each_form(b, FieldKind::kCommand) &&
         a.command != b.command)
       return false;

@@ -35,7 +35,7 @@ class Repetition final : public Exchange {
 
   Step start(Bytes& out) override {
     out = step_.request;
-    if (step_.response.empty()) return Step::send_unanswered(kQuiet);
+    if (step_.response.empty()) return Step::send_without_response(kQuiet);
     return Step::send(step_.response.size());
   }
   Step on_bytes(ByteView all, Bytes&) override {

@@ -23,7 +23,7 @@ operations:
     answer: [{ name: voltage, is: value, text: "00.00" }]
   - name: set the voltage
     write: state
-    unanswered: 50ms
+    no-response: 50ms
     request: [{ name: set, constant: "VSET1:" }, { name: voltage, is: value, text: "00.00" }]
 )";
 
@@ -54,7 +54,7 @@ CommandResult write(VirtualBus& bus, double value) {
   return bus.results().empty() ? CommandResult{} : bus.results().rbegin()->second.front();
 }
 
-TEST(UnansweredWrite, IsReadBackThoughNobodyAskedForIt) {
+TEST(WriteWithoutResponse, IsReadBackThoughNobodyAskedForIt) {
   VirtualBus bus(supply(), {}, 1);
   bus.run_until(bus.now() + 2s);
   const CommandResult result = write(bus, 12.5);
@@ -65,7 +65,7 @@ TEST(UnansweredWrite, IsReadBackThoughNobodyAskedForIt) {
   EXPECT_LT(result.completed - result.started, 150ms);
 }
 
-TEST(UnansweredWrite, DisturbsNoRefresh) {
+TEST(WriteWithoutResponse, DisturbsNoRefresh) {
   VirtualBus bus(supply(), {}, 1);
   bus.run_until(bus.now() + 5s);
   bus.watch_from_now();
@@ -74,7 +74,7 @@ TEST(UnansweredWrite, DisturbsNoRefresh) {
   EXPECT_LE(bus.channels()[0].longest_gap, 500ms);
 }
 
-TEST(UnansweredWrite, FailsIfItWasLost) {
+TEST(WriteWithoutResponse, FailsIfItWasLost) {
   sim::BusFaults faults;
   faults.devices["d"].loss = 1;
   VirtualBus bus(supply(), faults, 1);
@@ -83,7 +83,7 @@ TEST(UnansweredWrite, FailsIfItWasLost) {
   EXPECT_THAT(result.reason, testing::StartsWith("written, but reading back failed: "));
 }
 
-TEST(UnansweredWrite, DoesNotMakeASilentDeviceOnline) {
+TEST(WriteWithoutResponse, DoesNotMakeASilentDeviceOnline) {
   sim::BusFaults faults;
   faults.devices["d"].loss = 1;
   VirtualBus bus(supply(), faults, 1);
