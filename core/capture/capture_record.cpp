@@ -41,7 +41,7 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
 
 void FrameGatherer::take_sent(CaptureRecord record, std::vector<CapturedFrame>& out) {
   const bool continues = record.session && request_ && request_->session &&
-                         record.at.nanoseconds - request_->at.nanoseconds <= kQuiet.count() &&
+                         !is_over(*request_, record.at) &&
                          request_->bytes.size() + record.bytes.size() <= kMaxFrame;
   if (continues) {
     request_->at = record.at;
@@ -61,9 +61,7 @@ void FrameGatherer::take_sent(CaptureRecord record, std::vector<CapturedFrame>& 
 
 void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFrame>& out) {
   give_request(out);
-  if (response_ && !in_flight_ &&
-      record.at.nanoseconds - response_->at.nanoseconds > kQuiet.count())
-    give_response(out);
+  if (response_ && !in_flight_ && is_over(*response_, record.at)) give_response(out);
   if (!response_)
     response_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}, record.session};
   response_->at = record.at;
@@ -108,12 +106,14 @@ void FrameGatherer::lost(std::uint64_t records, std::vector<CapturedFrame>& out)
 }
 
 void FrameGatherer::look(UtcTime now, std::vector<CapturedFrame>& out) {
-  const auto quiet = [&](const std::optional<CapturedFrame>& frame) {
-    return frame && now.nanoseconds - frame->at.nanoseconds > kQuiet.count();
-  };
   if (in_flight_) return;
-  if (quiet(request_)) give_request(out);
-  if (quiet(response_)) give_response(out);
+  if (request_ && is_over(*request_, now)) give_request(out);
+  if (response_ && is_over(*response_, now)) give_response(out);
+}
+
+bool FrameGatherer::is_over(const CapturedFrame& frame, UtcTime now) {
+  const Duration quiet = frame.session ? kQuietOfSession : kQuiet;
+  return now.nanoseconds - frame.at.nanoseconds > quiet.count();
 }
 
 void FrameGatherer::flush(std::vector<CapturedFrame>& out) {

@@ -46,8 +46,10 @@ class FrameGatherer {
  public:
   static constexpr std::size_t kMaxFrame = 16384;   // bytes; longer data become several frames
   static constexpr std::size_t kMaxComment = 1000;  // bytes; longer comments are cut
-  // Unsolicited bytes, and those of a programming session, form one frame until this silence.
+  // Unsolicited bytes form one frame until this silence, and bytes of a programming session in one
+  // direction until a longer one: software writes a request in pieces, and networks delay them.
   static constexpr Duration kQuiet = std::chrono::milliseconds{50};
+  static constexpr Duration kQuietOfSession = std::chrono::milliseconds{250};
 
   void take(CaptureRecord record, std::vector<CapturedFrame>& out);
   void lost(std::uint64_t records, std::vector<CapturedFrame>& out);
@@ -59,6 +61,8 @@ class FrameGatherer {
   void take_sent(CaptureRecord record, std::vector<CapturedFrame>& out);
   void take_received(CaptureRecord record, std::vector<CapturedFrame>& out);
   void remark(const std::string& text, std::vector<CapturedFrame>& out);
+  // Whether the bytes at `now` do not belong to the frame.
+  [[nodiscard]] static bool is_over(const CapturedFrame& frame, UtcTime now);
   void give_request(std::vector<CapturedFrame>& out);
   void give_response(std::vector<CapturedFrame>& out);
   void give(CapturedFrame frame, std::vector<CapturedFrame>& out);

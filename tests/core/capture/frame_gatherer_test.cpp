@@ -64,10 +64,10 @@ TEST_F(FrameGathererTest, PiecesOfASessionInOneDirectionAreOneFrame) {
   take_session(Kind::kReceived, 20, "40 30");
   take_session(Kind::kReceived, 40, "0D");
   take_session(Kind::kSent, 60, "40");
-  take_session(Kind::kSent, 111, "41");  // 50 ms later
-  gatherer_.look(ms(161), frames_);
+  take_session(Kind::kSent, 311, "41");  // too late for the same frame
+  gatherer_.look(ms(561), frames_);
   EXPECT_EQ(frames(), "3 > 40 30 30 0D [by anna]\n40 < 40 30 0D\n60 > 40 [by anna]\n");
-  gatherer_.look(ms(162), frames_);
+  gatherer_.look(ms(562), frames_);
   EXPECT_EQ(frames_.size(), 4u);
   EXPECT_TRUE(frames_.back().session);
 }
