@@ -202,7 +202,9 @@ test('the command for the programming software is safe to paste', () => {
   const choice = { server: 'plc-north:4950', number: 'P1', port: '/tmp/plc', user: '', tls: false };
   assert.equal(port_command.portCommand(choice), 'fieldcast-port --server plc-north:4950 --device P1 --link /tmp/plc');
   assert.equal(port_command.portCommand({ ...choice, number: "P1; rm 'x'", tls: true, user: 'anna' }),
-    `fieldcast-port --server plc-north:4950 --tls --user anna --device 'P1; rm '\\''x'\\''' --link /tmp/plc`);
+    `fieldcast-port --server plc-north:4950 --tls --user anna --password-file anna.password --device 'P1; rm '\\''x'\\''' --link /tmp/plc`);
+  assert.equal(port_command.portCommand({ ...choice, number: 'P 1" & del %x%', port: 'COM5' }),
+    'fieldcast-port connect --server plc-north:4950 --device "P 1 & del x" --port COM5');
   assert.equal(port_command.serverOf('::1'), '[::1]:4950');
 });
 

@@ -189,7 +189,7 @@ test('programming says who, what rests, and gives the command', { skip }, async 
   await page.fill('input[name="number"]', 'P 7');
   await page.fill('input[name="user"]', 'anna');
   await page.getByText('By TLS').click();
-  assert.equal(await page.textContent('.command'), "fieldcast-port --server plc-south:4950 --tls --user anna --device 'P 7' --link /tmp/plc");
+  assert.equal(await page.textContent('.command'), "fieldcast-port --server plc-south:4950 --tls --user anna --password-file anna.password --device 'P 7' --link /tmp/plc");
   await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
   await page.getByRole('button', { name: 'Copy' }).click();
   await says(page, '.messages', /in the clipboard/);

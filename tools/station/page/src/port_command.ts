@@ -3,7 +3,7 @@
 export interface PortChoice {
   server: string;  // host:port of the bridge's `program: engineers: listen:`
   number: string;  // the device's `number:`
-  port: string;  // the virtual port to make
+  port: string;  // the virtual port to make; on Windows the COM port to open: COM5
   user: string;  // empty: no login
   tls: boolean;
 }
@@ -11,9 +11,14 @@ export interface PortChoice {
 // Quotes text as one word of a shell.
 export const shellWord = (text: string): string => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
 
+// The same for the command prompt of Windows.
+const promptWord = (text: string): string => (/^[\w@+:,./-]+$/.test(text) ? text : `"${text.replaceAll(/["%]/g, '')}"`);
+
+// The password is in a file of the engineer's PC, so that no command line has it.
 export function portCommand({ server, number, port, user, tls }: PortChoice): string {
-  const words = ['fieldcast-port', '--server', server, ...(tls ? ['--tls'] : []), ...(user ? ['--user', user] : []), '--device', number, '--link', port];
-  return words.map(shellWord).join(' ');
+  const windows = /^COM\d+$/i.test(port);
+  const words = ['--server', server, ...(tls ? ['--tls'] : []), ...(user ? ['--user', user, '--password-file', `${user}.password`] : []), '--device', number];
+  return ['fieldcast-port', ...(windows ? ['connect', ...words, '--port', port] : [...words, '--link', port])].map(windows ? promptWord : shellWord).join(' ');
 }
 
 // Returns the host with an IPv6 address in brackets.
