@@ -1,5 +1,6 @@
-// Actions of users on alarms and on programming sessions, received from DDS: refuses duplicates, applies the action, and writes
-// it to audit and log. Every action ends immediately in exactly one result. Any thread.
+// Actions of users on alarms and programming sessions, received from DDS: refuses duplicates,
+// applies the action, and writes it to audit and log. Every action ends immediately in exactly one
+// result. Any thread.
 #pragma once
 
 #include <functional>

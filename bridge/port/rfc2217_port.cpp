@@ -18,7 +18,7 @@ class Rfc2217Stream final : public Stream {
 
  private:
   void fetch() override { line_->turn(); }
-  // The connection is made anew, which sets the line again.
+  // A new connection sets the line again.
   std::optional<End> restore(int) override {
     if (!line_->changed()) return std::nullopt;
     return End{"an engineer has set the line; it is opened with the settings of the bus"};

@@ -48,7 +48,7 @@ class Server {
   void stop(Modules modules = Modules::kLetGo);
 
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
-  // Takes the device back; the engineer's client and the audit get the reason. False: nobody has it.
+  // Takes the device back; the engineer and the audit get the reason. False: nobody has it.
   // Any thread but that of the hooks.
   bool end_session(const std::string& bus, const std::string& device, const std::string& reason);
 

@@ -16,6 +16,7 @@ import unittest
 import serial
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from host_link_session import run_session
 from peers import DEADLINE, Program, free_port, settings_of
 from plant import claim_domain, running_bridge, wait_until
 
@@ -96,8 +97,7 @@ class Rfc2217Test(unittest.TestCase):
                 becomes(9600)
                 port.baudrate = 19200
                 becomes(19200)
-                port.write(b"@00RD0100000156*\r")
-                self.assertRegex(port.read_until(b"\r"), rb"^@00RD00")
+                run_session(self, port.write, lambda: port.read_until(b"\r"))
             becomes(115200)
             samples()
 

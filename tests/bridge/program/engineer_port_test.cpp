@@ -86,7 +86,7 @@ TEST_F(EngineerPort, AnOperatorEndsTheSessionAndTheNextEngineerGetsTheDevice) {
   EXPECT_FALSE(server.end_session("dial-in", "18", "ended by chen"));
   EXPECT_TRUE(server.end_session("dial-in", "17", "ended by chen: the shift is over"));
   EXPECT_TRUE(audited("ended: ended by chen: the shift is over"));
-  first->receive("never");  // until the bridge closes the connection
+  (void)first->receive("never");  // until the bridge closes the connection
   EXPECT_FALSE(server.end_session("dial-in", "17", "ended by chen"));
   const auto client = connect();
   ASSERT_TRUE(audited("paired, raw bytes"));
