@@ -210,6 +210,16 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   };
   const audit = (who, what, target, result = 'done') => plant.audit.unshift({ at_ms: Date.now(), who, what, target, bytes_to_device: 0, bytes_from_device: 0, result });
 
+  const endSession = ({ user }, { bus, device, note }) => {
+    const request_id = nextRequest++;
+    const session = plant.sessions.find((each) => each.bus === bus && each.device === device);
+    session.state = 'closed';
+    audit(user, `end programming session: ${note}`, `${bus}/${device}`);
+    tell({ kind: 'session', ...session });
+    tellResult(request_id);
+    return [202, { request_id, request_ids: [request_id] }];
+  };
+
   function write(user, { channel, value }, answer) {
     const found = plant.byPath.get(channel);
     if (!found) return answer({ kind: 'refused', error: `no channel ${channel}`, hint: '' });
@@ -240,6 +250,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/alarms/shelve': ({ user }, { alarms, minutes, note }) => changeAlarms(alarms, () => ({ shelved_until_ms: Date.now() + minutes * 60_000, shelved_by: user, note })),
     '/api/alarms/unshelve': (_, { alarms }) => changeAlarms(alarms, () => ({ shelved_until_ms: null, shelved_by: '' })),
     '/api/alarms/maintenance': (_, { bus, device, minutes }) => changeAlarms(plant.alarms.filter((alarm) => alarm.bus === bus && alarm.device === device), () => ({ suppressed: minutes ? 'maintenance' : '' })),
+    '/api/sessions/end': endSession,
     '/api/commands': ({ user }, body) => { write(user, body, (message) => tell(message)); return [202, { request_id: nextRequest - 1 }]; },
   };
 

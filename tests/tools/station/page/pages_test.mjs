@@ -200,6 +200,19 @@ test('programming says who, what rests, and gives the command', { skip }, async 
   await page.context().close();
 });
 
+test('an operator ends a programming session, with a warning and a note', { skip }, async () => {
+  const page = await open('#/programming/press-shop/device-01');
+  await page.getByRole('button', { name: 'End the session' }).click();
+  await says(page, 'dialog', /otto@10\.0\.0\.7 loses the connection at once.*can leave the PLC stopped/);
+  await page.fill('dialog input[name="note"]', 'the night shift starts');
+  await page.locator('dialog button[type="submit"]').click();
+  await says(page, '.messages', /session of press-shop\/device-01 was ended/);
+  await until(() => mock.plant.sessions[0].state === 'closed', 'the session is closed');
+  assert.equal(mock.plant.audit[0].what, 'end programming session: the night shift starts');
+  await until(async () => (await page.getByRole('button', { name: 'End the session' }).count()) === 0, 'nothing is left to end');
+  await page.context().close();
+});
+
 test('the plan shows each read; hovering and arrows tell its channels', { skip }, async () => {
   const page = await open('#/plan/press-shop');
   await says(page, '.plan-loads', /Free on the wire\s*54 %/);
