@@ -46,14 +46,20 @@ BusCapture::BusCapture(const BusSpec& bus, const std::string& by, std::shared_pt
 void BusCapture::add(CaptureSink& sink) {
   if (sinks_.empty()) (void)tap_->take();  // discards records of an earlier capture
   sinks_.push_back(&sink);
-  tap_->want(true);
+  tell_tap();
 }
 
 void BusCapture::remove(CaptureSink& sink) {
   std::erase(sinks_, &sink);
-  if (!sinks_.empty()) return;
-  tap_->want(false);
-  gatherer_ = {};
+  tell_tap();
+  if (sinks_.empty()) gatherer_ = {};
+}
+
+void BusCapture::tell_tap() {
+  using Wanted = CaptureTap::Wanted;
+  if (sinks_.empty()) return tap_->want(Wanted::kNothing);
+  tap_->want(std::ranges::all_of(sinks_, &CaptureSink::only_sessions) ? Wanted::kSessions
+                                                                      : Wanted::kEverything);
 }
 
 Bytes BusCapture::head(const std::string& remark) const {

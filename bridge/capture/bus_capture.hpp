@@ -21,8 +21,11 @@ class CaptureTap {
   static constexpr std::size_t kMaxRecords = 16384;
   static constexpr std::size_t kMaxBytes = 4 << 20;
 
-  [[nodiscard]] bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
-  void want(bool on) { wanted_.store(on, std::memory_order_relaxed); }
+  enum class Wanted : std::uint8_t { kNothing, kSessions, kEverything };
+  void want(Wanted what) { wanted_.store(what, std::memory_order_relaxed); }
+  // The bytes of programming sessions are also wanted without the rest.
+  [[nodiscard]] bool wanted() const { return load() == Wanted::kEverything; }
+  [[nodiscard]] bool sessions_wanted() const { return load() != Wanted::kNothing; }
 
   void put(CaptureRecord record) {
     const std::size_t size = record.bytes.size() + record.text.size();
@@ -49,7 +52,9 @@ class CaptureTap {
   }
 
  private:
-  std::atomic<bool> wanted_ = false;
+  [[nodiscard]] Wanted load() const { return wanted_.load(std::memory_order_relaxed); }
+
+  std::atomic<Wanted> wanted_ = Wanted::kNothing;
   std::mutex mutex_;
   std::vector<CaptureRecord> records_;
   std::size_t bytes_ = 0;
@@ -66,6 +71,8 @@ class CaptureSink {
   // `session`: of a programming session.
   virtual void packet(ByteView block, UtcTime at, bool session) = 0;
   virtual void lost(std::uint64_t records) = 0;
+  // Whether it drops other packets.
+  [[nodiscard]] virtual bool only_sessions() const { return false; }
 };
 
 class BusCapture {
@@ -88,6 +95,7 @@ class BusCapture {
     std::string name, column;
   };
   void give(std::vector<CapturedFrame>& frames);
+  void tell_tap();
 
   const std::string bus_, about_;
   std::vector<Dissector> dissectors_;

@@ -54,6 +54,7 @@ class CaptureRing final : public CaptureSink {
 
   void packet(ByteView block, UtcTime at, bool session) override;
   void lost(std::uint64_t records) override;
+  [[nodiscard]] bool only_sessions() const override { return spec_.only_sessions; }
   // Checks the free space at most every kLook; may be called more often.
   void look(UtcTime now);
   [[nodiscard]] const CaptureSpec& spec() const { return spec_; }

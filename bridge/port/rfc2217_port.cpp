@@ -38,6 +38,8 @@ class Rfc2217Opening final : public TcpOpening {
                    {spec.host, spec.port, spec.connect_timeout, spec.fence.is(Fence::kOneClient)}),
         format_(spec.line) {}
 
+  [[nodiscard]] const std::shared_ptr<TelnetLine>& line() const { return line_; }
+
  private:
   void connected(FileDescriptor socket, std::unique_ptr<TlsEngine>) override {
     tune_socket(socket.get(), target().one_client ? kUnacknowledgedByOne : kUnacknowledged);
@@ -58,10 +60,6 @@ class Rfc2217Opening final : public TcpOpening {
     if (line_) line_->close();
   }
 
- public:
-  [[nodiscard]] const std::shared_ptr<TelnetLine>& line() const { return line_; }
-
- private:
   const LineFormat format_;
   std::shared_ptr<TelnetLine> line_;
 };

@@ -65,6 +65,7 @@ void TelnetLine::change(const telnet::LineChange& change, std::function<void(boo
   changes_.emplace_back(change, std::move(done));
   wait_for_deadline();
   turn();
+  tell_changed();  // if it was refused here
 }
 
 void TelnetLine::tell_changed() {

@@ -211,13 +211,13 @@ void EngineerConnection::granted(FileDescriptor line) {
 }
 
 void EngineerConnection::capture(Direction direction, ByteView bytes) const {
-  if (!lease_->tap || !lease_->tap->wanted()) return;
+  if (!lease_->tap || !lease_->tap->sessions_wanted()) return;
   const bool sent = direction == Direction::kSent;
   lease_->tap->put({.kind = sent ? CaptureRecord::Kind::kSent : CaptureRecord::Kind::kReceived,
                     .at = read_clocks().to_utc(steady_now()),
                     .device = lease_->index,
                     .bytes = Bytes(bytes.begin(), bytes.end()),
-                    .text = sent ? "programming session of " + who() : "",
+                    .text = sent ? std::string(kSessionComment) + who() : "",
                     .session = true});
 }
 
@@ -284,8 +284,8 @@ void EngineerConnection::change_at_server(const telnet::LineChange& change) {
     asio::post(io, [weak, change, in_force] {
       const auto self = weak.lock();
       if (!self || !self->device_) return;
-      if (in_force && change.kind <= telnet::Kind::kStopBits)
-        (void)set_value(self->lease_->format, change.kind, change.value);
+      // Changes nothing for a control or a purge.
+      if (in_force) (void)set_value(self->lease_->format, change.kind, change.value);
       self->tell(LineChanged{change, in_force});
     });
   };

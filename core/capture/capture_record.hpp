@@ -5,12 +5,16 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {
+
+// The comment of each request of a programming session begins with it; the user follows.
+inline constexpr std::string_view kSessionComment = "programming session of ";
 
 struct CaptureRecord {
   enum class Kind : std::uint8_t {

@@ -86,7 +86,8 @@ class CaptureRingTest : public testing::Test {
   }
 
   std::string folder_;
-  BusCapture capture_{line(), "bridge", std::make_shared<CaptureTap>()};
+  const std::shared_ptr<CaptureTap> tap_ = std::make_shared<CaptureTap>();
+  BusCapture capture_{line(), "bridge", tap_};
 };
 
 TEST_F(CaptureRingTest, AFullFileIsFollowedByTheNextAndTheOldestGoes) {
@@ -102,6 +103,16 @@ TEST_F(CaptureRingTest, OfSessionsAloneNothingElseIsWritten) {
                        [this](const std::string& remark) { return capture_.head(remark); });
   sessions.packet(block(400), {kNoon}, false);
   EXPECT_TRUE(names().empty());
+  capture_.add(sessions);  // the bus records nothing for it
+  EXPECT_FALSE(tap_->wanted());
+  EXPECT_TRUE(tap_->sessions_wanted());
+  const auto all = ring(10'000, 2);
+  capture_.add(*all);
+  EXPECT_TRUE(tap_->wanted());
+  capture_.remove(*all);
+  EXPECT_FALSE(tap_->wanted());
+  capture_.remove(sessions);
+  EXPECT_FALSE(tap_->sessions_wanted());
   sessions.packet(block(400), {kNoon + kSecond}, true);
   sessions.packet(block(400), {kNoon + 2 * kSecond}, false);
   EXPECT_THAT(names(), ElementsAre("line-20231114T221321Z.pcapng"));

@@ -30,7 +30,7 @@ using Lines = std::vector<std::string>;
 
 TEST_F(WireRecordTest, ACaptureBeginsBehindAFrameThatHasBegun) {
   record.received(Bytes{1, 2}, at(0));
-  tap->want(true);
+  tap->want(CaptureTap::Wanted::kEverything);
   record.received(Bytes{3}, at(5));
   record.traced({"pump", "read holding:1: 1 item"}, at(6));
   record.frame_ended(at(6));
@@ -44,7 +44,7 @@ TEST_F(WireRecordTest, ACaptureBeginsBehindAFrameThatHasBegun) {
 TEST_F(WireRecordTest, ACaptureBetweenTwoFramesHasTheNextOne) {
   record.received(Bytes{1, 2}, at(0));
   record.frame_ended(at(1));
-  tap->want(true);
+  tap->want(CaptureTap::Wanted::kEverything);
   record.received(Bytes{3}, at(2));
   EXPECT_EQ(taken(), Lines{"03"});
 }
@@ -52,7 +52,7 @@ TEST_F(WireRecordTest, ACaptureBetweenTwoFramesHasTheNextOne) {
 // Bytes of another master end no frame of ours.
 TEST_F(WireRecordTest, AfterAPauseBytesBeginAFrame) {
   record.received(Bytes{1, 2}, at(0));
-  tap->want(true);
+  tap->want(CaptureTap::Wanted::kEverything);
   record.received(Bytes{3}, at(200));
   EXPECT_EQ(taken(), Lines{});
   record.received(Bytes{4}, at(500));

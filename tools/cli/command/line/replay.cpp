@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "core/capture/capture_record.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
@@ -20,8 +21,6 @@ struct ReplayOptions {
   LineOptions line;
 };
 
-// The comment of each request of a session in a capture (bridge/program).
-constexpr std::string_view kSession = "programming session of ";
 constexpr std::size_t kShown = 10;  // differences
 
 struct RecordedRequest {
@@ -61,7 +60,7 @@ tl::expected<std::vector<RecordedRequest>, std::string> recorded(const std::stri
   bool session = false;
   const CaptureEnd end = read_capture(in, [&](const SeenFrame& frame) {
     if (frame.direction == Direction::kSent) {
-      session = frame.comment.find(kSession) != std::string::npos;
+      session = frame.comment.find(kSessionComment) != std::string::npos;
       if (session) steps.push_back({frame.bytes, {}});
     } else if (session) {
       append(steps.back().response, frame.bytes);
