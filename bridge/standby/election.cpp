@@ -37,6 +37,7 @@ Election::Election(StandbyMember own, Instant now, const Memory& before)
       configuration_(before.configuration_),
       alone_since_(now),
       settled_(now + kSettle),
+      rejoined_(now + kRejoin),
       looked_(now) {
   own_.role = StandbyRole::kWaiting;
   own_.term = 0;
@@ -47,6 +48,7 @@ Election::Election(StandbyMember own, Instant now, const Memory& before)
 Election::Memory Election::memory() const {
   Memory memory;
   memory.others_ = others_;
+  for (auto& [name, other] : memory.others_) other.awaited = alive(other, looked_);
   memory.greatest_ = greatest_;
   memory.master_ = master_;
   memory.configuration_ = configuration_;
@@ -68,6 +70,7 @@ void Election::receive(const StandbyMember& member, Instant now) {
   }
   other.told = member;
   other.heard = other.told_at = now;
+  other.awaited = false;
   other.lost = other.seen_to_end = member.role == StandbyRole::kLeft;
   learn(member.term);
   other.known = greatest_;
@@ -154,6 +157,7 @@ void Election::lost(std::string_view bridge, Instant now) {
   const auto found = others_.find(bridge);
   if (found == others_.end() || found->second.lost) return;
   found->second.lost = true;
+  found->second.awaited = false;
   found->second.seen_to_end = now - found->second.told_at < kLease;
 }
 
@@ -232,6 +236,8 @@ void Election::consider(Instant now) {
     return;
   }
   if (now < settled_ || now < doubt_until_ || ready_since_ == kNever) return;
+  const auto is_awaited = [](const auto& entry) { return entry.second.awaited; };
+  if (now < rejoined_ && std::ranges::any_of(others_, is_awaited)) return;
   // Others may have become ready at the same time and must be received first.
   const bool alone =
       std::ranges::none_of(others_, [&](const auto& entry) { return alive(entry.second, now); });

@@ -79,6 +79,7 @@ class Election {
     Instant told_at;  // true time of the last message
     bool lost = false;
     bool seen_to_end = false;  // its messages were received until its end
+    bool awaited = false;      // was alive when this member left to rejoin, not received since
     std::int64_t before = 0;   // `since` before its restart
     StandbyTerm known = 0;     // greatest known term at its last message
   };
@@ -103,6 +104,9 @@ class Election {
   static constexpr Duration kListen = std::chrono::milliseconds{150};
   // Time at the start to discover other members.
   static constexpr Duration kSettle = std::chrono::seconds{1};
+  // Time at a rejoin to receive those that were alive before it again: their handshakes with DDS
+  // Security and repeated datagrams can take longer than kSettle.
+  static constexpr Duration kRejoin = std::chrono::seconds{5};
   // Time that a better member has to take over.
   static constexpr Duration kPatience = std::chrono::seconds{1};
   // Time that a successor has to take over; then any member may.
@@ -187,6 +191,7 @@ class Election {
   std::string master_, configuration_;  // last received master and its channels
   Instant alone_since_;                 // time of the last message of a master
   Instant settled_;                     // end of the time to discover others
+  Instant rejoined_;                    // end of the time to receive awaited members again
   Instant ready_since_ = kNever;
   Instant looked_;
   Instant doubt_until_ = kLongAgo;

@@ -118,7 +118,7 @@ class SecureStandby(OnASteadyMachine, unittest.TestCase):
             print(f"certificate of {name} renewed: longest gap of a channel of 50 ms: {gap * 1000:.0f} ms")
             self.assertLess(gap, 0.5)
             self.master, self.other = self.roles()
-            self.assertEqual((self.master, self.other), (other, name))
+            self.assertEqual((self.master, self.other), (other, name), self.log("a") + self.log("b"))
             self.watch.gap()
         self.assertEqual(self.watch.faults, [])
 

@@ -158,13 +158,30 @@ TEST(Election, WhoJoinsAgainCountsAboveWhatItKnew) {
   Election own(member("b", 1, 2), kStart + 1s, before.memory());
   own.set_not_ready("");
   Instant now = kStart + 1s;
-  for (; now < kStart + 4s; now += Election::kTick) own.on_time(now);
+  for (; now < kStart + 8s; now += Election::kTick) own.on_time(now);
   ASSERT_EQ(own.role(), StandbyRole::kMaster);
   EXPECT_EQ(number_of(own.term()), 8u);
   // That master was disconnected all the time, so its last terms are unknown.
   own.receive(member("a", 2, 3), now);
   own.on_time(now);
   EXPECT_GE(number_of(own.term()), 7 + (now - kStart) / Election::kTermTime);
+}
+
+// On a busy machine the handshake of two members can take longer than kSettle.
+TEST(Election, WhoJoinsAgainAwaitsThoseThatWereAlive) {
+  Election before(member("b", 1), kStart);
+  before.receive(member("a", 2), kStart);
+  for (const bool is_lost : {false, true}) {
+    Election own(member("b", 1, 2), kStart, before.memory());
+    own.set_not_ready("");
+    if (is_lost) own.lost("a", kStart);
+    const Duration limit = is_lost ? Election::kSettle : Election::kRejoin;
+    Instant now = kStart;
+    for (; now < kStart + limit; now += Election::kTick) own.on_time(now);
+    EXPECT_EQ(own.role(), StandbyRole::kWaiting);
+    own.on_time(now);
+    EXPECT_EQ(own.role(), StandbyRole::kMaster) << is_lost;
+  }
 }
 
 TEST(Election, NobodyHandsOverToAMemberThatHasJustHandedOver) {
