@@ -104,9 +104,9 @@ class Election {
   static constexpr Duration kListen = std::chrono::milliseconds{150};
   // Time at the start to discover other members.
   static constexpr Duration kSettle = std::chrono::seconds{1};
-  // Time at a rejoin to receive those that were alive before it again: their handshakes with DDS
-  // Security and repeated datagrams can take longer than kSettle.
-  static constexpr Duration kRejoin = std::chrono::seconds{5};
+  // Time at a rejoin to receive those that were alive before it again. With DDS Security, a lost
+  // datagram of a handshake is repeated only after seconds.
+  static constexpr Duration kRejoin = std::chrono::seconds{10};
   // Time that a better member has to take over.
   static constexpr Duration kPatience = std::chrono::seconds{1};
   // Time that a successor has to take over; then any member may.
