@@ -60,6 +60,9 @@ program::Hooks Bridge::program_hooks() {
   hooks.report = [this](const ProgramSessionReport& report) {
     sinks_.post([this, report] { link_->report(report); });
   };
+  hooks.requested = [this](const ProgramRequestReport& report) {
+    sinks_.post([this, report] { link_->report(report); });
+  };
   return hooks;
 }
 

@@ -19,17 +19,23 @@ std::function<void(std::string)> revoker(std::shared_ptr<DeviceLease> lease,
   };
 }
 
+LastRequest last_request_of(const DeviceSpec& device) {
+  return {device.protocol, device.declaration};
+}
+
 }  // namespace
 
 void DeviceRegistry::add(const BusSpec& bus, const std::shared_ptr<BusRunner>& runner) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < bus.devices.size(); ++i) {
     const DeviceSpec& device = bus.devices[i];
-    if (!device.number.empty()) targets_[device.number] = {bus.name, device.name, runner, i};
+    if (!device.number.empty())
+      targets_[device.number] = {bus.name, device.name, runner, i, last_request_of(device)};
   }
   const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);
   if (dial_in && !bus.devices.empty())
-    targets_[dial_in->number] = {bus.name, bus.devices.front().name, runner};
+    targets_[dial_in->number] = {bus.name, bus.devices.front().name, runner, 0,
+                                 last_request_of(bus.devices.front())};
 }
 
 void DeviceRegistry::remove(const std::string& bus) {
@@ -68,6 +74,7 @@ void DeviceRegistry::try_take(const std::shared_ptr<DeviceLease>& lease, Handler
     lease->bus = target->bus;
     lease->device = target->device;
     lease->index = target->index;
+    lease->last_request = target->last_request;
   }
   if (const auto leased = leases_.find(number); leased != leases_.end()) {
     if (leased->second->leaving.expired() || parked_.size() >= kMaxParked)

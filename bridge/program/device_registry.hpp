@@ -15,6 +15,7 @@
 #include "bridge/program/module/relay_end.hpp"
 #include "bridge/program/server.hpp"
 #include "core/program/frame.hpp"
+#include "core/program/last_request.hpp"
 
 namespace fieldcast::program {
 
@@ -32,8 +33,9 @@ struct DeviceLease {
   bool at_server = false;              // the bus changes the settings (BusRunner::change_line)
   std::shared_ptr<CaptureTap> tap;     // of the bus; null: a module without a bus
   std::size_t index = 0;               // of the device in its bus
-  std::shared_ptr<BusRunner> runner;   // null: a module without a bus
-  std::uint64_t bus_lease = 0;         // number of the lease, if a bus grants it
+  LastRequest last_request;
+  std::shared_ptr<BusRunner> runner;  // null: a module without a bus
+  std::uint64_t bus_lease = 0;        // number of the lease, if a bus grants it
   // the end that sends the last bytes; closed when the lease is revoked
   std::weak_ptr<RelayEnd> leaving;
   bool granted = false, over = false;
@@ -69,7 +71,8 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
   struct Target {
     std::string bus, device;
     std::shared_ptr<BusRunner> runner;
-    std::size_t index = 0;  // of the device in its bus
+    std::size_t index = 0;     // of the device in its bus
+    LastRequest last_request;  // of no session yet
   };
   [[nodiscard]] std::optional<Target> find(const std::string& number) const;
   void try_take(const std::shared_ptr<DeviceLease>& lease, Handlers handlers);

@@ -145,6 +145,7 @@ void EngineerConnection::execute(const ToClient& what) { client_->send(what.byte
 void EngineerConnection::execute(const ToDevice& what) {
   if (!device_) return;
   capture(Direction::kSent, what.bytes);
+  lease_->last_request.on_sent(what.bytes, read_clocks().to_utc(steady_now()));
   device_->send(what.bytes);
 }
 
@@ -197,6 +198,7 @@ void EngineerConnection::granted(FileDescriptor line) {
   if (!device_) return;
   device_->start({[self](ByteView bytes) {
                     self->capture(Direction::kReceived, bytes);
+                    self->lease_->last_request.on_received();
                     self->tell(FromDevice{bytes});
                   },
                   [self](const std::string& reason) {
@@ -301,6 +303,7 @@ void EngineerConnection::execute(const FreeDevice&) {
   if (!lease_) return;
   client_->pause(false);
   if (!device_) return around_.devices->give_back(lease_, std::nullopt);
+  report_request();
   report(ProgramSessionState::kClosed);
   const auto device = std::exchange(device_, nullptr);
   line_ = -1;
@@ -384,6 +387,7 @@ void EngineerConnection::tick() {
   if (device_) tell(LineState{modem_state(line_), line_errors(line_, errors_)});
   const std::uint64_t bytes = bytes_to_device() + bytes_from_device();
   if (device_ && bytes != reported_bytes_) report(ProgramSessionState::kOpen);
+  if (device_) report_request();
 }
 
 void EngineerConnection::report(ProgramSessionState state) {
@@ -391,6 +395,12 @@ void EngineerConnection::report(ProgramSessionState state) {
   if (!around_.hooks.report) return;
   around_.hooks.report(
       {lease_->bus, lease_->device, state, who(), bytes_to_device(), bytes_from_device(), since_});
+}
+
+void EngineerConnection::report_request() {
+  auto last = lease_->last_request.take();
+  if (!last || !around_.hooks.requested) return;
+  around_.hooks.requested({lease_->bus, lease_->device, std::move(last->text), last->sent_at});
 }
 
 std::string EngineerConnection::who() const {

@@ -75,6 +75,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   [[nodiscard]] std::uint64_t bytes_to_device() const;
   [[nodiscard]] std::uint64_t bytes_from_device() const;
   void report(ProgramSessionState state);
+  void report_request();
   void audit(const std::string& result) const;
   [[nodiscard]] std::string who() const;
 

@@ -39,6 +39,7 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/BusStatus", kBridges, kAllStations},
     {"fieldcast/DeviceStatus", kBridges, kEverybody},
     {"fieldcast/ProgramSession", kBridges, kAllStations},
+    {"fieldcast/ProgramRequest", kBridges, kAllStations},
     {"fieldcast/ReadPlan", kBridges, kAllStations},
     {"fieldcast/Alarm", kBridges, kAllStations},
     {"fieldcast/AlarmStatus", kBridges, kEverybody},

@@ -142,7 +142,11 @@ struct Station::State {
       typename fieldcast::Subscription<Generated>::Handlers handlers;
       handlers.sample = converted(handler, convert);
       if (gone) handlers.gone = converted(gone, convert_last);
-      site->template subscribe<Generated>(topic, reader_qos(topic), std::move(handlers));
+      try {
+        site->template subscribe<Generated>(topic, reader_qos(topic), std::move(handlers));
+      } catch (const DdsError&) {
+        if (!topic.is_optional) throw;
+      }
     }
   }
   template <class Message, class Generated>

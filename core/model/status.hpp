@@ -76,6 +76,13 @@ struct ProgramSessionReport {
   UtcTime since;
 };
 
+// The last request that the software of an engineer sent to a device.
+struct ProgramRequestReport {
+  std::string bus, device;
+  std::string request;  // decoded
+  UtcTime sent_at;
+};
+
 // Data that a bus continues from another bridge. Plain values.
 struct BusInheritance {
   // By channel; sequence 0 if never published. `acquired` uses the clock of the new engine.

@@ -43,7 +43,10 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ModbusDevice a(first), b(second);
   Reports<ProgramSessionReport> sessions;
+  Reports<ProgramRequestReport> requests;
   Receiver receiver(spec.dds);
+  receiver.station.subscribe<ProgramRequestReport>(
+      [&](const ProgramRequestReport& request) { requests.add(request); });
   receiver.station.subscribe<ProgramSessionReport>(
       [&](const ProgramSessionReport& session) { sessions.add(session); });
   const auto session_becomes = [&](ProgramSessionState state) {
@@ -58,8 +61,13 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ASSERT_TRUE(receiver.receives(good_from("two")));
 
   TcpClient engineer(spec.program.engineers->listen.port);
-  engineer.send("@@P1FEFF");
+  engineer.send("@@V2P1FEFF");
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
+  const std::string read("\0\0\0\x08\1\3\0\0\0\1\x84\x0A", 12);
+  engineer.send(read);
+  EXPECT_TRUE(requests.newest([](const ProgramRequestReport& request) {
+    return request.request.starts_with("03 read holding registers, first 0000");
+  }));
   EXPECT_TRUE(session_becomes(ProgramSessionState::kOpen));
   EXPECT_TRUE(receiver.receives(
       [](const StationSample& s) { return s.bus == "one" && s.quality == Quality::kUncertain; }));
@@ -70,7 +78,7 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   EXPECT_TRUE(receiver.receives(good_from("two")));
   for (const StationSample& sample : receiver.samples()) EXPECT_NE(sample.bus, "one");
 
-  engineer.send("@@EDFEFF");
+  engineer.send("\xFF\xFF\xFF\xFF");
   EXPECT_TRUE(receiver.receives(good_from("one")));
   EXPECT_TRUE(session_becomes(ProgramSessionState::kClosed));
   EXPECT_EQ(sessions.last().bus + '/' + sessions.last().device, "one/plc");

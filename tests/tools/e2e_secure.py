@@ -50,6 +50,8 @@ class Secured(unittest.TestCase):
         cls.secure("init", cls.authority)
         for member in (["bridge", "line-7"], ["station", "wall"], ["station-readonly", "hall"], ["plant", "mes"], ["plant", "press", "--bus", "press-*"]):
             cls.secure("add", *member, "--authority", cls.authority)
+        for name in ("line-7", "hall"):
+            cls.take_right(name, "fieldcast/ProgramRequest")
         cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
@@ -63,6 +65,19 @@ class Secured(unittest.TestCase):
         if done.returncode != 0:
             raise AssertionError(done.stdout + done.stderr)
         return done.stdout
+
+    @classmethod
+    def take_right(cls, name, topic):
+        """Makes the identity one from before this topic."""
+        file, authority = os.path.join(cls.member(name), "permissions.p7s"), os.path.join(cls.authority, "permissions-ca")
+        smime = lambda *words, given: subprocess.run(["openssl", "smime", *words], input=given, capture_output=True, check=True, timeout=30).stdout
+        with open(file, "rb") as signed:
+            text = smime("-verify", "-text", "-CAfile", authority + ".pem", given=signed.read())
+        lines = text.splitlines(keepends=True)
+        kept = [line for line in lines if topic.encode() not in line]
+        assert len(kept) < len(lines), text
+        with open(file, "wb") as signed:
+            signed.write(smime("-sign", "-text", "-signer", authority + ".pem", "-inkey", authority + ".key", given=b"".join(kept)))
 
     @classmethod
     def member(cls, name):
@@ -130,6 +145,10 @@ class Secured(unittest.TestCase):
         self.assertEqual((result["id"], result["state"]), (7, "not-sent"), result)
         self.assertIn("needs an identity of role plant", result["reason"])
         self.assertIsNone(station.process.poll(), station.log())
+
+    def test_an_identity_from_before_a_topic_works_without_it(self):
+        self.assertIn("cannot make a writer of fieldcast/ProgramRequest: goes on without it; 'fieldcast secure renew'", self.plant.log("fieldcast-bridge"))
+        self.page("hall")
 
     def test_the_page_of_a_plant_writes_on_its_buses(self):
         _, _, live = self.page("press")

@@ -45,7 +45,7 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
       label("fieldcast-bridge " + name),
       results(domain, label, handlers.clock, handlers.on_problem),
       catalogue_blocks(domain.writer(kCatalogueBlockTopic, label)),
-      reports(domain, label) {
+      reports(domain, label, handlers.on_problem) {
   interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
   if (handlers.bridges.received)
     presence = std::make_unique<BridgeAnnouncement>(domain, writers, label, handlers.bridges,

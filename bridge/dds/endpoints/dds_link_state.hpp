@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -44,19 +45,29 @@ struct LinkedBus {
 // renewed.
 class ReportWriters {
  public:
-  ReportWriters(Domain& domain, const std::string& label) {
+  ReportWriters(Domain& domain, const std::string& label,
+                const std::function<void(const std::string&)>& on_problem) {
     for_each_report([&]<class Generated>(const Report<Generated>& topic) {
-      writers_.emplace(std::piecewise_construct,
-                       std::tuple(std::type_index(typeid(typename Generated::type))),
-                       std::forward_as_tuple(
-                           domain, [&domain, &topic, label](auto* listener, dds::StatusMask mask) {
-                             return domain.writer(topic, label, listener, mask);
-                           }));
+      const auto make = [&domain, &topic, label](auto* listener, dds::StatusMask mask) {
+        return domain.writer(topic, label, listener, mask);
+      };
+      try {
+        writers_.emplace(std::piecewise_construct,
+                         std::tuple(std::type_index(typeid(typename Generated::type))),
+                         std::forward_as_tuple(domain, make));
+      } catch (const DdsError& error) {
+        if (!topic.is_optional) throw;
+        on_problem(std::string(error.what()) +
+                   ": goes on without it; 'fieldcast secure renew' gives an identity of an earlier "
+                   "version this right");
+      }
     });
   }
+  // Without effect on an optional topic that cannot be written.
   template <class Message>
   void write(Message& message) {
-    writers_.at(typeid(Message)).write(&message);
+    const auto found = writers_.find(typeid(Message));
+    if (found != writers_.end()) found->second.write(&message);
   }
   template <class Message>
   void unregister(Message& message) {

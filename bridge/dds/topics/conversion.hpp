@@ -75,6 +75,8 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
 
 void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
+void to_idl(const ProgramRequestReport& report, idl::ProgramRequest& out);
+[[nodiscard]] ProgramRequestReport from_idl(const idl::ProgramRequest& request);
 
 // ---- plans
 

@@ -169,4 +169,20 @@ ProgramSessionReport from_idl(const idl::ProgramSession& session) {
   return out;
 }
 
+void to_idl(const ProgramRequestReport& report, idl::ProgramRequest& out) {
+  out.bus() = cut_text(report.bus, kMaxNameLength);
+  out.device() = cut_text(report.device, kMaxNameLength);
+  out.request() = cut_text(report.request, 128);
+  out.sent_at(report.sent_at.nanoseconds);
+}
+
+ProgramRequestReport from_idl(const idl::ProgramRequest& request) {
+  ProgramRequestReport out;
+  out.bus = request.bus().c_str();
+  out.device = request.device().c_str();
+  out.request = request.request().c_str();
+  out.sent_at = {request.sent_at()};
+  return out;
+}
+
 }  // namespace fieldcast

@@ -103,6 +103,8 @@ struct TopicRow {
   Keys keys = Keys::kKeyed;
   Repair repair = Repair::kSoon;
   Ownership ownership = Ownership::kShared;
+  // Identities from before this topic have no right to it. They work without it.
+  bool is_optional = false;
 };
 template <class GeneratedType>
 struct Topic : TopicRow {
@@ -127,6 +129,12 @@ constexpr Report<Generated> report(const char* name, std::int32_t instances) {
   return {{{name, kStays, last_of(instances), last_of(instances)}}};
 }
 
+template <class Row>
+constexpr Row optional(Row row) {
+  row.is_optional = true;
+  return row;
+}
+
 // With a DEADLINE for each refresh. A channel that moves to another writer is unregistered at the
 // old one, and its instance remains.
 inline constexpr Topic<idl::SamplePubSubType> kSampleTopic{
@@ -140,6 +148,8 @@ inline constexpr auto kDeviceStatusTopic =
     report<idl::DeviceStatusPubSubType>("fieldcast/DeviceStatus", kMaxDevices);
 inline constexpr auto kProgramSessionTopic =
     report<idl::ProgramSessionPubSubType>("fieldcast/ProgramSession", kMaxDevices);
+inline constexpr auto kProgramRequestTopic =
+    optional(report<idl::ProgramRequestPubSubType>("fieldcast/ProgramRequest", kMaxDevices));
 inline constexpr auto kReadPlanTopic =
     report<idl::ReadPlanPubSubType>("fieldcast/ReadPlan", kMaxChannels / 16);
 inline constexpr auto kAlarmTopic = report<idl::AlarmPubSubType>("fieldcast/Alarm", kMaxAlarms);
@@ -188,11 +198,11 @@ inline constexpr Topic<idl::StandbyRequestPubSubType> kStandbyRequestTopic{
     {"fieldcast/StandbyRequest", kPasses, last_of(1), last_of(kMaxStandbyMembers)}};
 
 inline constexpr std::tuple kTopicTable{
-    &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
-    &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
-    &kReadPlanTopic,    &kAlarmTopic,           &kAlarmStatusTopic,    &kAlarmActionTopic,
-    &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic,
-    &kStandbyTopic,     &kStandbyNoteTopic,     &kStandbyRequestTopic};
+    &kSampleBlockTopic,    &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
+    &kChannelTopic,        &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
+    &kProgramRequestTopic, &kReadPlanTopic,        &kAlarmTopic,          &kAlarmStatusTopic,
+    &kAlarmActionTopic,    &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
+    &kBridgeTopic,         &kStandbyTopic,         &kStandbyNoteTopic,    &kStandbyRequestTopic};
 
 inline constexpr auto kTopics = std::apply(
     [](const auto*... row) { return std::array<const TopicRow*, sizeof...(row)>{row...}; },

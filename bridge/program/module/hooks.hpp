@@ -35,6 +35,7 @@ struct Hooks {
       certified;
   std::function<void(const Transmission&)> audit;
   std::function<void(const ProgramSessionReport&)> report;
+  std::function<void(const ProgramRequestReport&)> requested;
 };
 
 }  // namespace fieldcast::program

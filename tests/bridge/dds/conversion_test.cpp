@@ -391,6 +391,15 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   EXPECT_EQ(back.report.refused, std::vector<std::string>(64, "holding:107"));
 }
 
+TEST(StatusConversion, AProgramRequestComesBackCutAtItsBound) {
+  idl::ProgramRequest topic;
+  to_idl({"b", "d", std::string(200, 'x'), {3}}, topic);
+  const ProgramRequestReport back = from_idl(topic);
+  EXPECT_EQ(back.bus + "/" + back.device, "b/d");
+  EXPECT_EQ(back.request, std::string(128, 'x'));
+  EXPECT_EQ(back.sent_at.nanoseconds, 3);
+}
+
 TEST(StatusConversion, AProgramSessionComesBack) {
   idl::ProgramSession topic;
   to_idl({"b", "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}}, topic);

@@ -93,7 +93,7 @@ void show_devices(const Api& api, const HttpRequest& request, const Caller&, con
 }
 
 void show_sessions(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
-  show_all<ProgramSessionReport>(api, request, reply, session_json);
+  show_all<LiveSession>(api, request, reply, session_json);
 }
 
 void show_bridges(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {

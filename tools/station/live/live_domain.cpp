@@ -116,7 +116,10 @@ void LiveDomain::State::listen() {
   station.subscribe_bus_status(put, remove);
   station.subscribe_read_plans(
       put, [this](const std::string& bus) { inbox.remove(StationReadPlan{.bus = bus}); });
-  station.subscribe<ProgramSessionReport>(put);
+  station.subscribe<ProgramSessionReport>(
+      [this](const ProgramSessionReport& report) { inbox.put(LiveSession{report}); });
+  station.subscribe<ProgramRequestReport>(
+      [this](const ProgramRequestReport& report) { inbox.put(live_session(report)); });
   station.subscribe_alarms(put_alarm, remove_alarm);
   station.subscribe_device_status(
       [this](const StationDeviceStatus& status) {

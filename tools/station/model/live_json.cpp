@@ -173,7 +173,8 @@ std::string alarm_json(const LiveAlarm& alarm) {
       .take();
 }
 
-std::string session_json(const ProgramSessionReport& session) {
+std::string session_json(const LiveSession& live) {
+  const ProgramSessionReport& session = live.session;
   return JsonObject()
       .add("bus", session.bus)
       .add("device", session.device)
@@ -182,6 +183,8 @@ std::string session_json(const ProgramSessionReport& session) {
       .add("bytes_to_device", session.bytes_to_device)
       .add("bytes_from_device", session.bytes_from_device)
       .add("since_ms", session.since)
+      .add("last_request", live.request)
+      .add("last_request_ms", live.requested_at)
       .take();
 }
 

@@ -14,7 +14,7 @@ namespace fieldcast::web {
 [[nodiscard]] std::string bus_json(const StationBusStatus& bus);
 [[nodiscard]] std::string device_json(const StationDeviceStatus& device);
 [[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
-[[nodiscard]] std::string session_json(const ProgramSessionReport& session);
+[[nodiscard]] std::string session_json(const LiveSession& live);
 [[nodiscard]] std::string bridge_json(const StationBridge& bridge);
 // {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups":
 // [{"device", "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first",

@@ -22,8 +22,8 @@ struct KeyOf {
     return joined('a', alarm.bus, alarm.device + '\x1F' + alarm.channel + '\x1F') +
            std::string(to_text(alarm.limit));
   }
-  std::string operator()(const ProgramSessionReport& session) const {
-    return joined('s', session.bus, session.device);
+  std::string operator()(const LiveSession& live) const {
+    return joined('s', live.session.bus, live.session.device);
   }
   std::string operator()(const StationBridge& bridge) const { return joined('r', bridge.bridge); }
   std::string operator()(const StationReadPlan& plan) const { return joined('p', plan.bus); }
@@ -48,7 +48,7 @@ struct MessageOf {
   std::string operator()(const LiveAlarm& alarm) const {
     return kind_message("alarm", alarm_json(alarm));
   }
-  std::string operator()(const ProgramSessionReport& session) const {
+  std::string operator()(const LiveSession& session) const {
     return kind_message("session", session_json(session));
   }
   std::string operator()(const StationBridge& bridge) const {
@@ -72,7 +72,31 @@ bool outranks(const LiveObject* last, const LiveObject& report) {
          std::get<LiveAlarm>(*last).detailed;
 }
 
+// `report` is one of the two reports of a session, and becomes both.
+void join(const LiveObject* last, LiveSession& report) {
+  const LiveSession none, &known = last == nullptr ? none : std::get<LiveSession>(*last);
+  const bool is_request = report.requested_at.nanoseconds != 0;
+  if (is_request) {
+    if (last != nullptr) report.session = known.session;
+  } else {
+    report.request = known.request;
+    report.requested_at = known.requested_at;
+  }
+  if (report.requested_at.nanoseconds >= report.session.since.nanoseconds) return;
+  report.request.clear();
+  report.requested_at = {};
+}
+
 }  // namespace
+
+LiveSession live_session(const ProgramRequestReport& report) {
+  LiveSession live;
+  live.session.bus = report.bus;
+  live.session.device = report.device;
+  live.request = report.request;
+  live.requested_at = report.sent_at;
+  return live;
+}
 
 std::string key_of(const LiveObject& object) { return std::visit(KeyOf{}, object); }
 
@@ -142,6 +166,7 @@ void LiveObjects::put(LiveObject object) {
   const std::string key = key_of(object);
   const LiveObject* const last = present(key);
   if (outranks(last, object)) return;
+  if (auto* const session = std::get_if<LiveSession>(&object)) join(last, *session);
   const auto* const alarm = std::get_if<LiveAlarm>(&object);
   const bool clear = alarm != nullptr && is_clear(*alarm);
   if (clear && !entries_.contains(key)) return;

@@ -39,8 +39,16 @@ struct LiveAlarm {
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarm& alarm);
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarmStatus& status);
 
-using LiveObject = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
-                                ProgramSessionReport, StationBridge, StationReadPlan>;
+// The session and its last request arrive as two reports.
+struct LiveSession {
+  ProgramSessionReport session;
+  std::string request;   // decoded; empty: not known
+  UtcTime requested_at;  // 0: not known
+};
+[[nodiscard]] LiveSession live_session(const ProgramRequestReport& report);
+
+using LiveObject = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm, LiveSession,
+                                StationBridge, StationReadPlan>;
 // Kind and names, which are the same for each report of an object.
 [[nodiscard]] std::string key_of(const LiveObject& object);
 
@@ -52,6 +60,7 @@ class LiveObjects {
   // An unchanged device is reported again after this time, measured by its reports.
   static constexpr Duration kDevicePeriod = std::chrono::seconds{2};
 
+  // The two reports of a session are joined; the request of an earlier one is dropped.
   // A clear alarm is removed unless shelved or suppressed; an alarm without details does not change
   // a detailed one. Of a read plan, clients receive only a notice that it has changed.
   void put(LiveObject object);

@@ -76,7 +76,7 @@ class OpenApiTest : public test::ApiTest {
     alarm.state = "unacknowledged";
     alarm.active = true;
     model_.put(alarm);
-    model_.put(ProgramSessionReport{.bus = "line", .device = "d"});
+    model_.put(LiveSession{{.bus = "line", .device = "d"}, "RD read DM", utc(1)});
     StationBridge bridge;
     bridge.bridge = "b";
     bridge.buses.push_back({"line", utc(1), true});

@@ -62,7 +62,7 @@ TEST_F(DomainInboxTest, ObjectsComeToo) {
   inbox.put(device_of("press", 1));
   inbox.put(live_alarm(
       StationAlarm{"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}}));
-  inbox.put(ProgramSessionReport{"shop", "press", ProgramSessionState::kOpen, "anna", 1, 2, {1}});
+  inbox.put(LiveSession{{"shop", "press", ProgramSessionState::kOpen, "anna", 1, 2, {1}}, "", {}});
   StationBridge bridge;
   bridge.bridge = "line-7";
   inbox.put(bridge);
@@ -70,7 +70,7 @@ TEST_F(DomainInboxTest, ObjectsComeToo) {
   EXPECT_EQ(model.objects().all<StationBusStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<StationDeviceStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<LiveAlarm>().size(), 1u);
-  EXPECT_EQ(model.objects().all<ProgramSessionReport>().size(), 1u);
+  EXPECT_EQ(model.objects().all<LiveSession>().size(), 1u);
   EXPECT_EQ(model.objects().all<StationBridge>().size(), 1u);
   inbox.remove(bus_of("shop"));
   inbox.remove(device_of("press", 1));

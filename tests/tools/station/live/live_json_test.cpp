@@ -101,12 +101,17 @@ TEST(LiveJson, WhatIsNotInATimetableHasNoTimes) {
 }
 
 TEST(LiveJson, SessionsAndBridgesAreObjects) {
-  ProgramSessionReport session;
-  session.bus = "shop";
-  session.device = "press";
-  session.state = ProgramSessionState::kOpen;
-  session.who = "anna";
-  EXPECT_EQ(Json::parse(session_json(session))["state"], "open");
+  LiveSession live;
+  live.session.bus = "shop";
+  live.session.device = "press";
+  live.session.state = ProgramSessionState::kOpen;
+  live.session.who = "anna";
+  live.request = "RD read DM";
+  live.requested_at = {2'000'000};
+  const Json session = Json::parse(session_json(live));
+  EXPECT_EQ(session["state"], "open");
+  EXPECT_EQ(session["last_request"], "RD read DM");
+  EXPECT_EQ(session["last_request_ms"], 2);
   StationBridge bridge;
   bridge.bridge = "line-7";
   bridge.buses.push_back({"shop", {1'000'000}, true});

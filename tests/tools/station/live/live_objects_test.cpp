@@ -39,6 +39,30 @@ TEST(LiveObjects, AMessageIsMadeOnceForAll) {
   EXPECT_THAT(*one.messages[0], HasSubstr(R"({"kind":"bus","bus":"shop","bridge":"line-7",)"));
 }
 
+LiveSession session_of(std::int64_t since, std::uint64_t bytes) {
+  return {{"shop", "press", ProgramSessionState::kOpen, "anna", bytes, 0, {since}}, "", {}};
+}
+
+TEST(LiveObjects, ASessionAndItsLastRequestAreOneObject) {
+  LiveObjects objects;
+  const LiveSession request = live_session(ProgramRequestReport{"shop", "press", "RD", {20}});
+  const auto live = [&] { return *objects.all<LiveSession>().at(0); };
+  objects.put(request);  // the two topics have no order
+  objects.put(session_of(10, 1));
+  EXPECT_EQ(live().request, "RD");
+  objects.put(session_of(10, 2));
+  EXPECT_EQ(live().request, "RD");
+  EXPECT_EQ(live().session.bytes_to_device, 2u);
+  objects.put(live_session(ProgramRequestReport{"shop", "press", "WD", {21}}));
+  EXPECT_EQ(live().request, "WD");
+  EXPECT_EQ(live().session.who, "anna");
+  objects.put(session_of(30, 0));  // the next session
+  EXPECT_EQ(live().request, "");
+  objects.put(request);  // late
+  EXPECT_EQ(live().request, "");
+  EXPECT_EQ(objects.all<LiveSession>().size(), 1u);
+}
+
 TEST(LiveObjects, NewestOfEachComesOnce) {
   LiveObjects objects;
   objects.put(bus_of("shop"));

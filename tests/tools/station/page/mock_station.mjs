@@ -77,7 +77,7 @@ export class InventedPlant {
     alarm(1, { limit: 'low', priority: 'medium', state: 'returned', active: false, occurrences: 7, chattering: true });
     alarm(9, { priority: 'low', shelved_until_ms: now + 3_600_000, shelved_by: 'anna', note: 'sensor is changed on Monday' });
     alarm(6, { limit: 'low-low', priority: 'high', suppressed: 'maintenance' });
-    this.sessions = [{ bus: busNames[1], device: 'device-01', state: 'open', who: 'otto@10.0.0.7', bytes_to_device: 48_211, bytes_from_device: 190_332, since_ms: now - 480_000 }];
+    this.sessions = [{ bus: busNames[1], device: 'device-01', state: 'open', who: 'otto@10.0.0.7', bytes_to_device: 48_211, bytes_from_device: 190_332, since_ms: now - 480_000, last_request: 'RD read DM, first 0100, count 0010', last_request_ms: now - 2_000 }];
     this.bridges = ['north', 'south'].map((bridge, index) => ({
       bridge, host: `plc-${bridge}`, process: `${bridge}-1`, version: '0.1.0', standby_group: '', strength: 0, since_ms: now - 86_400_000,
       buses: busNames.slice(2 * index, 2 * index + 2).map((bus) => ({ bus, since_ms: now - 86_400_000, serving: true })) }));

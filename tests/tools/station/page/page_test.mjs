@@ -36,6 +36,21 @@ const makePlant = (...channels) => {
   return made;
 };
 
+test('the rate of a programming session is that of its last two reports', () => {
+  const made = new plant.Plant();
+  const report = (more) => ({ bus: 'one', device: 'plc', state: 'open', who: 'anna', bytes_to_device: 0, bytes_from_device: 0, since_ms: 1000, last_request: '', last_request_ms: null, ...more });
+  const rate = (at) => made.rates.of('one/plc', at);
+  made.setSession(report(), 0);
+  assert.equal(rate(0), 0);
+  made.setSession(report({ bytes_to_device: 100, bytes_from_device: 300 }), 2000);
+  assert.equal(rate(2000), 200);
+  made.setSession(report({ bytes_to_device: 100, bytes_from_device: 300, last_request: 'RD read DM' }), 2500);
+  assert.equal(rate(2500), 200);
+  assert.equal(rate(5000), 0);
+  made.setSession(report({ since_ms: 9000, bytes_to_device: 7 }), 9000);
+  assert.equal(rate(9000), 0);
+});
+
 test('marks that turn the writing direction are shown escaped', () => {
   for (const mark of '\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c')
     assert.equal(printable.printable(`a${mark}b`), `a\\u${mark.charCodeAt(0).toString(16).toUpperCase().padStart(4, '0')}b`);

@@ -195,8 +195,7 @@ export class Live {
       case 'alarm': plant.setAlarm(about as Alarm); break;
       case 'session': {
         const session = about as Session;
-        plant.sessions.set(`${session.bus}/${session.device}`, session);
-        plant.touch('sessions');
+        plant.setSession(session, performance.now());
         break;
       }
       case 'bridge': plant.bridges.set(String(message['bridge']), about as Bridge); plant.touch('bridges'); break;

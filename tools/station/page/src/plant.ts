@@ -5,6 +5,7 @@
 import { neverAcquired, parseFrame } from './frame';
 import type { Frame } from './frame';
 import { notYetRead, isBad } from './types';
+import { SessionRates } from './session_rate';
 import type { Alarm, Bridge, Bus, Channel, Device, Session } from './types';
 
 export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'connection';
@@ -59,6 +60,7 @@ export class Plant {
   readonly devices = new Map<string, Device>();  // bus/device
   readonly alarms = new Map<string, Alarm>();
   readonly sessions = new Map<string, Session>();  // bus/device
+  readonly rates = new SessionRates();
   readonly bridges = new Map<string, Bridge>();
   readonly plans = new Set<string>();  // buses with a changed read plan, until a page has fetched it
   readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
@@ -73,7 +75,16 @@ export class Plant {
     this.waiting = [];
     this.version = -1;
     for (const map of [this.buses, this.devices, this.alarms, this.sessions, this.bridges]) map.clear();
+    this.rates.clear();
     for (const topic of ['buses', 'devices', 'alarms', 'sessions', 'bridges'] as const) this.touch(topic);
+  }
+
+  // `at`: monotonic time of the arrival in milliseconds.
+  setSession(session: Session, at: number): void {
+    const path = `${session.bus}/${session.device}`;
+    this.sessions.set(path, session);
+    this.rates.report(path, session, at);
+    this.touch('sessions');
   }
 
   touch(topic: Topic): void {

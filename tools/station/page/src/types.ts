@@ -162,6 +162,8 @@ export interface Session {
   bytes_to_device: number;
   bytes_from_device: number;
   since_ms: number;
+  last_request: string;  // decoded; '' if it is not known
+  last_request_ms: number | null;
 }
 
 export interface Bridge {

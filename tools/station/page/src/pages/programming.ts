@@ -23,11 +23,13 @@ export const texts = {
   'programming.title': ['Programming', '编程'], 'programming.table': ['Devices and modules, and who programs them', '设备与模块，以及正在编程的人员'],
   'programming.hint': ['The vendor’s software programs a PLC through the bridge. While it does, the bus of that PLC rests.', '厂商软件通过网桥对 PLC 编程。编程期间，该 PLC 所在的总线暂停。'],
   'programming.state': ['Session', '会话'], 'programming.free': ['free', '空闲'], 'programming.to': ['To it', '发送'],
-  'programming.from': ['From it', '接收'], 'programming.one-open': ['One device is programmed now', '当前有一台设备正在编程'],
+  'programming.from': ['From it', '接收'], 'programming.rate': ['Rate', '速率'], 'programming.request': ['Last request', '最近请求'], 'programming.one-open': ['One device is programmed now', '当前有一台设备正在编程'],
   'programming.open': ['{n} devices are programmed now', '当前有 {n} 台设备正在编程'],
   'programming.by': ['{who} has been programming it for {age}.', '{who} 已编程 {age}。'],
   'programming.last': ['Programmed last by {who}.', '上次编程：{who}。'],
   'programming.never': ['Nobody has programmed it since its bridge started.', '自网桥启动以来无人编程。'],
+  'programming.passes': ['{rate} now; {to} to it and {from} from it in all.', '当前 {rate}；共发送 {to}，接收 {from}。'],
+  'programming.requested': ['Last request, {age} ago: {request}', '{age}前的最近请求：{request}'],
   'programming.meanwhile': ['What rests meanwhile', '期间暂停的内容'],
   'programming.no-bus': ['This module has no bus. Nothing rests while it is programmed.', '此模块没有总线，编程期间不影响其他内容。'],
   'programming.rests': ['The whole bus {bus}: {devices} devices with {channels} channels. Their values become uncertain, commands are refused with LEASED. Other buses go on.', '整条总线 {bus}：{devices} 台设备、{channels} 个通道。其数值变为不确定，命令以 LEASED 被拒绝。其他总线不受影响。'],
@@ -93,6 +95,8 @@ class ProgrammingPage extends SplitPage {
         { key: 'since', label: t('alarms.since'), text: ({ session }) => (session?.since_ms ? age(now() - session.since_ms) : ''), hint: ({ session }) => (session?.since_ms ? fullTime(session.since_ms) : '') },
         { key: 'to', label: t('programming.to'), text: ({ session }) => (session ? bytes(session.bytes_to_device) : '') },
         { key: 'from', label: t('programming.from'), text: ({ session }) => (session ? bytes(session.bytes_from_device) : '') },
+        { key: 'rate', label: t('programming.rate'), text: (target) => this.rate(target) },
+        { key: 'request', label: t('programming.request'), text: ({ session }) => session?.last_request ?? '', hint: ({ session }) => (session?.last_request_ms ? fullTime(session.last_request_ms) : '') },
       ],
     });
     this.body.append(this.list.element, this.note, this.details);
@@ -125,6 +129,11 @@ class ProgrammingPage extends SplitPage {
     for (const [path, known] of devices) found.set(path, { bus: known.bus, device: known.device, known, session: sessions.get(path) });
     for (const [path, session] of sessions) if (!found.has(path)) found.set(path, { bus: session.bus, device: session.device, known: undefined, session });
     return [...found.values()].sort((a, b) => Number(isOpen(b)) - Number(isOpen(a)) || pathOf(a).localeCompare(pathOf(b)));
+  }
+
+  private rate(target: Target): string {
+    if (!isOpen(target)) return '';
+    return `${bytes(Math.round(this.context.plant.rates.of(pathOf(target), performance.now())))}/s`;
   }
 
   private firstChoice(target: Target): PortChoice {
@@ -171,6 +180,8 @@ class ProgrammingPage extends SplitPage {
       <header><h2>${pathOf(target)}</h2>${session ? badge(tones[session.state] ?? 'unknown', word('session', session.state)) : nothing}</header>
       <p class="reason">${session && isOpen(target) ? t('programming.by', { who: session.who, age: age(this.context.now() - session.since_ms) }) :
         session ? t('programming.last', { who: session.who }) : t('programming.never')}</p>
+      ${session && isOpen(target) ? html`<p class="reason">${t('programming.passes', { rate: this.rate(target), to: bytes(session.bytes_to_device), from: bytes(session.bytes_from_device) })}</p>` : nothing}
+      ${session?.last_request && session.last_request_ms ? html`<p class="reason">${t('programming.requested', { request: session.last_request, age: age(this.context.now() - session.last_request_ms) })}</p>` : nothing}
       ${session && isOpen(target) && this.context.mayOperate() ? html`<p class="links"><button type="button" @click=${() => void endSession(this.context, target.bus, target.device, session.who)}>${t('programming.end')}</button></p>` : nothing}
       <h3>${t('programming.meanwhile')}</h3><p>${this.meanwhile(target)}</p>
       <h3>${t('programming.start')}</h3><p class="muted">${t('programming.start-hint')}</p>
