@@ -60,6 +60,7 @@ dtc_bench
 lzw_bench
 program_bench exchange
 /usr/bin/python3 tools/bench/rfc2217_bench.py build/bin
+/usr/bin/python3 tools/bench/slow_path_bench.py build/bin
 program_bench relay --gigabytes 10
 program_bench many
 store_bench --seconds 60
