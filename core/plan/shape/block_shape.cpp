@@ -63,28 +63,31 @@ class Growth {
 
 }  // namespace
 
-Instant must_until(std::span<const PointState> points, std::uint32_t urgent, Instant now,
+JoinRule join_rule(std::span<const PointState> points, std::uint32_t urgent, Instant now,
                    const Allowance& allowance, const CyclicWeights& weights) {
-  if (allowance.period != Duration::zero())
-    return std::max(now, points[urgent].due) + part_of(weights.reach, allowance.period);
+  if (allowance.period != Duration::zero()) {
+    const Instant end = std::max(now, points[urgent].due);
+    return {end + part_of(weights.reach, allowance.period), end + allowance.period};
+  }
   Duration shortest = points[urgent].allowed_gap;
   for (const PointState& point : points) {
     if (point.ready(now)) shortest = std::min(shortest, point.allowed_gap);
   }
-  return now + part_of(weights.reach, shortest);
+  const Instant until = now + part_of(weights.reach, shortest);
+  return {until, until};
 }
 
 Slice cyclic_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
                    Instant now, const Allowance& allowance, const CyclicWeights& weights) {
-  const Instant until = must_until(points, urgent, now, allowance, weights);
+  const JoinRule rule = join_rule(points, urgent, now, allowance, weights);
   // A due point would need a separate request otherwise.
   constexpr double kAnything = 1e18;
   const double request = cost.item_ns() * cost.bridge();
-  const auto must = [&](const PointState& point) { return point.due <= until ? kAnything : 0.0; };
+  const auto must = [&](const PointState& point) { return rule.joins(point) ? kAnything : 0.0; };
   const auto eager = [&](const PointState& point) {
-    return point.due <= until ? kAnything
-           : point.eager      ? request + cost.item_ns() * (point.end - point.first)
-                              : 0.0;
+    return rule.joins(point) ? kAnything
+           : point.eager     ? request + cost.item_ns() * (point.end - point.first)
+                             : 0.0;
   };
   Growth growth(points, urgent, cost, now);
   growth.both_ways(must, kAnything, Duration::max());

@@ -34,8 +34,16 @@ struct Allowance {
   Duration period{};
 };
 
-// Points due before this time must be part of a read of `urgent` at `now`.
-[[nodiscard]] Instant must_until(std::span<const PointState> points, std::uint32_t urgent,
+// Which points must be part of a read of `urgent` at `now`. An intensive point has no phase: it
+// joins if it is due before the next read of its group ends, because a read of its own may not fit
+// between the two.
+struct JoinRule {
+  Instant scheduled, intensive;  // points that are due later do not join
+  [[nodiscard]] bool joins(const PointState& point) const {
+    return point.due <= (point.mode == Mode::kIntensive ? intensive : scheduled);
+  }
+};
+[[nodiscard]] JoinRule join_rule(std::span<const PointState> points, std::uint32_t urgent,
                                  Instant now, const Allowance& allowance,
                                  const CyclicWeights& weights);
 

@@ -106,7 +106,7 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
 void ListShaper::cyclic(std::span<const PointState> points, std::uint32_t urgent,
                         const ListCost& cost, Instant now, const Allowance& allowance,
                         const CyclicWeights& weights, Selection& out) {
-  const Instant until = must_until(points, urgent, now, allowance, weights);
+  const JoinRule rule = join_rule(points, urgent, now, allowance, weights);
   confine(points, urgent, now);
   build(points, cost, Duration::max(), out);
   const auto collect = [&](const auto& comes) {
@@ -116,10 +116,10 @@ void ListShaper::cyclic(std::span<const PointState> points, std::uint32_t urgent
         candidates_.push_back({point.due, index});
     }
   };
-  collect([&](const PointState& point) { return point.due <= until; });
+  collect([&](const PointState& point) { return rule.joins(point); });
   take(points, cost, Duration::max(), out);
   if (allowance.budget > Duration::zero()) {
-    collect([&](const PointState& point) { return point.due <= until || point.eager; });
+    collect([&](const PointState& point) { return rule.joins(point) || point.eager; });
     take(points, cost, allowance.budget, out);
   }
   cover(points, out);
