@@ -23,7 +23,7 @@ import time
 CORPUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fuzz", "corpus")
 EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
 # Largest useful input in bytes, of a frame or of a program's messages; longer inputs only cost time. Others: libFuzzer's default.
-LONGEST = {"dtc": 600, "lzw": 300, "mitsubishi_fx": 600, "mitsubishi_mc": 600, "mitsubishi_mc_ascii": 600, "modbus": 600, "modbus_rtu_declared": 600, "omron_fins": 600, "omron_fins_tcp": 600, "omron_fins_udp": 600, "omron_hostlink": 600, "mitsubishi_mc_serial": 600, "mitsubishi_mc_format_5": 600, "mitsubishi_mc_1c": 600, "allen_bradley_df1": 600, "allen_bradley_df1_half": 600,
+LONGEST = {"dtc": 600, "lzw": 300, "mitsubishi_fx": 600, "mitsubishi_mc": 600, "mitsubishi_mc_ascii": 600, "modbus": 600, "modbus_rtu_declared": 600, "omron_fins": 600, "omron_fins_tcp": 600, "omron_fins_udp": 600, "omron_hostlink": 600, "mitsubishi_mc_serial": 600, "mitsubishi_mc_format_2": 600, "mitsubishi_mc_format_3": 600, "mitsubishi_mc_format_5": 600, "mitsubishi_mc_1c": 600, "allen_bradley_df1": 600, "allen_bradley_df1_half": 600,
            "program": 600, "s7_freeport": 600, "s7_ppi": 600, "s7_tcp": 600, "telnet": 600, "line_engineer": 600, "instrument": 600, "adam_4000": 600, "dlt645_2007": 600, "mt_sics": 600, "iec62056_21": 1200, "iec62056_21_optical": 1200, "m_bus": 600, "m_bus_secondary": 600,
            "delta_dvp_ascii": 600, "delta_dvp_rtu": 600, "fatek_facon": 600, "keyence_kv": 600, "nmea_0183": 600, "panasonic_mewtocol": 600, "scale_stream": 200, "address": 120}
 # Shortens allocation stacks, which are needed only for a failed input: replay it without these options.

@@ -48,17 +48,17 @@ class SerialExplainer {
       return writer_.take();
     }
     binary_ ? cut_binary() : cut_ascii(first);
-    type_ = frame_of(text_, binary_);
-    response_ = binary_ ? is_binary_response() : first != kEnq;
+    format_ = format_of(first);
     writer_.remark(title(first));
     if (binary_) count();
     header();
-    if (first == kNak)
-      code(type_ == SerialFrame::k1c ? 2 : 4);
-    else if (!response_)
+    if (!response_)
       request();
     else if (binary_)
-      number("response", 2), code(2);
+      number("response", 2), code();
+    if (response_ && format_.enclosed)
+      add(format_.end_code_size(), "end code", raw(format_.end_code_size()));
+    if (refused_) code();
     if (left() > 0) add(left(), response_ ? "data" : "parameters", raw(left()));
     ending();
     return writer_.take();
@@ -94,11 +94,45 @@ class SerialExplainer {
 
   // A request without a sum is as long as its command needs.
   static bool has_sum(ByteView text) {
-    const SerialFrame type = frame_of(text, false);
-    const std::size_t header = header_size({.frame = type});
-    if (text.size() <= header) return false;
-    const auto content = content_size(text.subspan(header), type);
-    return !content || text.size() > header + *content;
+    if (text.size() <= header_size({.frame = frame_of(text, false)})) return false;
+    const auto request = ascii_request(text);
+    return !request || text.size() > request->size;
+  }
+
+  // A frame does not contain the number of its format. A block number is recognized by the
+  // identifier behind it, which is not a valid station or PC. In 1C frames it is recognized by a
+  // known command or by the length of a short response, so not in responses with data.
+  SerialFormat format_of(std::uint8_t first) {
+    response_ = binary_ ? is_binary_response() : first != kEnq;
+    refused_ = first == kNak;
+    if (binary_) return {.binary = true};
+    const auto request = ascii_request(text_);
+    const bool enclosed =
+        first == kStx && request && request->certain && request->size == text_.size();
+    if (request && (first == kEnq || enclosed)) {
+      response_ = false;
+      SerialFormat format = request->format;
+      format.enclosed = enclosed;
+      return format;
+    }
+    const ByteView behind = ByteView(text_).subspan(std::min(text_.size(), kBlockDigits));
+    SerialFormat format{.frame = frame_of(behind, false)};
+    format.numbered = format.frame != SerialFrame::k1c;
+    if (!format.numbered) format.frame = frame_of(text_, false);
+    if (format.frame == SerialFrame::k1c && (first == kAck || first == kNak))
+      format.numbered = behind.size() == header_size(format) + (refused_ ? format.code_size() : 0);
+    if (first == kStx) find_end_code(format);
+    return format;
+  }
+
+  void find_end_code(SerialFormat& format) {
+    const EndCodePair codes = end_codes_of(format.frame);
+    const ByteView text = ByteView(text_).subspan(std::min(text_.size(), header_size(format)));
+    for (const std::string_view code : {codes.done, codes.refused}) {
+      if (!printable(text).starts_with(code)) continue;
+      format.enclosed = true;
+      refused_ = code == codes.refused;
+    }
   }
 
   bool is_binary_response() const {
@@ -107,20 +141,27 @@ class SerialExplainer {
   }
 
   std::string title(std::uint8_t first) const {
-    const std::string_view name = type_ == SerialFrame::k4c   ? "4C "
-                                  : type_ == SerialFrame::k3c ? "3C "
-                                                              : "1C ";
-    const std::string_view kind = !response_      ? "request"
-                                  : first == kAck ? "response without data"
-                                  : first == kNak ? "refusal"
-                                                  : "response";
+    const std::string_view name = format_.frame == SerialFrame::k4c   ? "4C "
+                                  : format_.frame == SerialFrame::k3c ? "3C "
+                                                                      : "1C ";
+    const std::string_view kind = !response_                   ? "request"
+                                  : refused_                   ? "refusal"
+                                  : first == kAck || is_done() ? "response without data"
+                                                               : "response";
     const bool line_end = frame_.size() >= 2 && frame_.back() == '\n';
     return std::string(name) + std::string(kind) + ", format " +
-           (binary_    ? "5"
-            : line_end ? "4"
-                       : "1");
+           (binary_            ? "5"
+            : line_end         ? "4"
+            : format_.enclosed ? "3"
+            : format_.numbered ? "2"
+                               : "1");
   }
 
+  // A response of format 3 without data.
+  [[nodiscard]] bool is_done() const {
+    return response_ && format_.enclosed &&
+           text_.size() == header_size(format_) + format_.end_code_size();
+  }
   [[nodiscard]] std::size_t left() const { return text_.size() - at_; }
   [[nodiscard]] ByteView next(std::size_t size) const { return ByteView(text_).subspan(at_, size); }
   [[nodiscard]] std::string raw(std::size_t size) const {
@@ -165,17 +206,18 @@ class SerialExplainer {
   }
 
   void header() {
-    const bool is_4c = type_ == SerialFrame::k4c;
-    if (type_ != SerialFrame::k1c) number("frame", 1);
+    const bool is_4c = format_.frame == SerialFrame::k4c, is_1c = format_.frame == SerialFrame::k1c;
+    if (format_.numbered) number("block", 1);
+    if (!is_1c) number("frame", 1);
     number("station", 1);
-    if (type_ != SerialFrame::k1c) number("network", 1);
+    if (!is_1c) number("network", 1);
     number("PC", 1);
     if (is_4c) number("module", 2), number("unit", 1);
-    if (type_ != SerialFrame::k1c) number("own station", 1);
+    if (!is_1c) number("own station", 1);
   }
 
   void request() {
-    if (type_ != SerialFrame::k1c) {
+    if (format_.frame != SerialFrame::k1c) {
       number("command", 2, [](std::uint32_t command) {
         const std::string_view name = command_name(command);
         return name.empty() ? std::string() : " " + std::string(name);
@@ -192,8 +234,8 @@ class SerialExplainer {
         wait ? "" : "not a hexadecimal digit");
   }
 
-  void code(std::size_t digit_count) {
-    const bool is_short = type_ == SerialFrame::k1c;
+  void code() {
+    const bool is_short = format_.frame == SerialFrame::k1c;
     const auto words = [&](std::uint32_t value) {
       if (value == 0 && !is_short) return std::string();
       const auto number = static_cast<std::uint16_t>(value);
@@ -201,7 +243,7 @@ class SerialExplainer {
           is_short ? device_code_text(kShortCodes, number) : device_code_text(kSerialCodes, number);
       return text.empty() ? std::string() : " " + std::string(text);
     };
-    number("code", binary_ ? 2 : digit_count / 2, words);
+    number("code", is_short ? 1 : 2, words);
   }
 
   // From the mark behind the text on.
@@ -215,7 +257,8 @@ class SerialExplainer {
       if (!binary_) summed.push_back(kEtx);
       at += size;
     }
-    if (sum_expected_) at = sum(at, summed);
+    const bool without_sum = !binary_ && response_ && format_.enclosed && (refused_ || is_done());
+    if (sum_expected_ && !without_sum) at = sum(at, summed);
     const ByteView rest = frame_.subspan(at);
     static constexpr std::array<std::uint8_t, 2> kLineEnd{'\r', '\n'};
     if (rest.empty()) return;
@@ -238,8 +281,9 @@ class SerialExplainer {
   }
 
   const ByteView frame_;
-  bool binary_ = false, response_ = false, sum_expected_ = false, short_ = false;
-  SerialFrame type_ = SerialFrame::k4c;
+  bool binary_ = false, response_ = false, refused_ = false;
+  bool sum_expected_ = false, short_ = false;
+  SerialFormat format_;
   FieldWriter writer_;
   Bytes text_;
   std::vector<std::size_t> offsets_;

@@ -35,49 +35,66 @@ class AsciiFrame {
   AsciiFrame(ByteView text, bool open, const SerialFormat& format)
       : text_(text), open_(open), format_(format) {}
 
-  SerialResponse parse() const { return text_[0] == kStx ? data() : short_frame(); }
+  SerialResponse parse() const { return text_[0] == kStx ? between_marks() : short_frame(); }
 
  private:
-  SerialResponse incomplete() const {
-    return {.kind = open_ ? SerialResponse::Kind::kOpen : SerialResponse::Kind::kBroken};
-  }
+  using Kind = SerialResponse::Kind;
 
-  SerialResponse data() const {
+  SerialResponse incomplete() const { return {.kind = open_ ? Kind::kOpen : Kind::kBroken}; }
+
+  SerialResponse between_marks() const {
     const auto etx = static_cast<std::size_t>(std::ranges::find(text_, kEtx) - text_.begin());
-    const std::size_t size = etx + 1 + format_.sum_size() + format_.end_size();
-    if (text_.size() < size) return incomplete();
-    const ByteView summed = text_.subspan(1, etx);
-    SerialResponse response{.kind = SerialResponse::Kind::kBroken};
-    if (format_.sum_check && read_digits(text_.subspan(etx + 1, 2)) != sum8(summed))
-      return response;
-    if (format_.line_end && !ends_line(text_, size - 2)) return response;
-    if (etx < 1 + header_size(format_)) return response;
-    response.kind = SerialResponse::Kind::kData;
-    split(response, summed.first(etx - 1));
-    return response;
+    if (etx == text_.size()) return incomplete();
+    const std::size_t begin = 1 + header_size(format_) + format_.end_code_size();
+    const Kind kind = etx < begin ? Kind::kBroken : kind_of(begin, etx);
+    if (kind == Kind::kBroken) return {.kind = kind};
+    const std::size_t end = etx + 1, sum = kind == Kind::kData ? format_.sum_size() : 0;
+    if (text_.size() < end + sum) return incomplete();
+    if (sum > 0 && read_digits(text_.subspan(end, sum)) != sum8(text_.subspan(1, etx)))
+      return {.kind = Kind::kBroken};
+    return whole(kind, begin, etx, end + sum);
   }
 
-  // A frame without a sum. Only noise of the line may follow it.
   SerialResponse short_frame() const {
-    const std::size_t header = header_size(format_);
-    const std::size_t code = text_[0] == kNak ? format_.code_size() : 0;
-    const std::size_t size = 1 + header + code + format_.end_size();
-    if (text_.size() < size) return incomplete();
-    SerialResponse response{.kind = SerialResponse::Kind::kBroken};
-    if (format_.line_end && !ends_line(text_, size - 2)) return response;
-    if (!std::ranges::all_of(text_.subspan(size), is_turnaround)) return response;
-    const auto number = read_digits(text_.subspan(1 + header, code));
-    if (!number) return response;
-    response.kind = code == 0 ? SerialResponse::Kind::kDone : SerialResponse::Kind::kRefused;
-    response.code = static_cast<std::uint16_t>(*number);
-    split(response, text_.subspan(1, header));
-    return response;
+    if (format_.enclosed) return {.kind = Kind::kBroken};
+    const bool refused = text_[0] == kNak;
+    const std::size_t begin = 1 + header_size(format_);
+    const std::size_t end = begin + (refused ? format_.code_size() : 0);
+    return whole(refused ? Kind::kRefused : Kind::kDone, begin, end, end);
   }
 
-  void split(SerialResponse& response, ByteView text) const {
-    const auto middle = text.begin() + static_cast<std::ptrdiff_t>(header_size(format_));
-    response.header.assign(text.begin(), middle);
-    response.data.assign(middle, text.end());
+  // REQUIRES: begin <= etx. The end code of format 3 ends at `begin`.
+  Kind kind_of(std::size_t begin, std::size_t etx) const {
+    if (!format_.enclosed) return Kind::kData;
+    const std::size_t size = format_.end_code_size();
+    const std::string_view code(reinterpret_cast<const char*>(&text_[begin - size]), size);
+    const EndCodePair codes = end_codes_of(format_.frame);
+    if (code == codes.refused) return Kind::kRefused;
+    if (code != codes.done) return Kind::kBroken;
+    return etx > begin ? Kind::kData : Kind::kDone;
+  }
+
+  // `begin`, `end`: of the data, or of the code of a refusal; `size`: without CR LF. Only noise of
+  // the line may follow a frame without a sum.
+  SerialResponse whole(Kind kind, std::size_t begin, std::size_t end, std::size_t size) const {
+    size += format_.end_size();
+    if (text_.size() < size) return incomplete();
+    SerialResponse response{.kind = Kind::kBroken};
+    if (format_.line_end && !ends_line(text_, size - kLineEnd.size())) return response;
+    if (kind != Kind::kData && !std::ranges::all_of(text_.subspan(size), is_turnaround))
+      return response;
+    const ByteView header = text_.subspan(1, header_size(format_));
+    const ByteView body = text_.subspan(begin, end - begin);
+    if (kind == Kind::kRefused) {
+      const auto code = body.size() == format_.code_size() ? read_digits(body) : std::nullopt;
+      if (!code) return response;
+      response.code = static_cast<std::uint16_t>(*code);
+    } else {
+      response.data.assign(body.begin(), body.end());
+    }
+    response.header.assign(header.begin(), header.end());
+    response.kind = kind;
+    return response;
   }
 
   const ByteView text_;
@@ -135,10 +152,11 @@ SerialResponse first_binary(ByteView all, const SerialFormat& format) {
 
 }  // namespace
 
-Bytes header_of(const SerialFormat& format, const SerialRoute& route) {
+Bytes header_of(const SerialFormat& format, const SerialRoute& route, std::uint8_t block) {
   const Format code{.ascii = !format.binary};
   const bool is_4c = format.frame == SerialFrame::k4c, is_1c = format.frame == SerialFrame::k1c;
   Bytes header;
+  if (format.numbered) append_digits(header, block, kBlockDigits);
   if (!is_1c) append_number(header, code, is_4c ? 0xF8 : 0xF9, 1);
   append_number(header, code, route.station, 1);
   if (!is_1c) append_number(header, code, route.network, 1);
@@ -162,7 +180,8 @@ void append_request(Bytes& out, const SerialFormat& format, ByteView header, Byt
     append_stuffed(out, text);
     append(out, kBinaryEnd);
   } else {
-    out.push_back(kEnq);
+    if (format.enclosed) text.push_back(kEtx);
+    out.push_back(format.enclosed ? kStx : kEnq);
     append(out, text);
   }
   if (format.sum_check) append_digits(out, sum8(text), 2);
@@ -170,14 +189,17 @@ void append_request(Bytes& out, const SerialFormat& format, ByteView header, Byt
 }
 
 std::size_t request_size(const SerialFormat& format, std::size_t content) {
-  const std::size_t marks = format.binary ? kBinaryBegin.size() + kCount + kBinaryEnd.size() : 1;
+  const std::size_t marks = format.binary     ? kBinaryBegin.size() + kCount + kBinaryEnd.size()
+                            : format.enclosed ? 2
+                                              : 1;
   return marks + header_size(format) + content + format.sum_size() + format.end_size();
 }
 
 std::size_t response_size(const SerialFormat& format, std::size_t data) {
   if (format.binary) return request_size(format, kResponseMark + kEndCode + data);
-  if (data == 0) return 1 + header_size(format) + format.end_size();
-  return request_size(format, data) + 1;  // with 03
+  const std::size_t etx = data > 0 || format.enclosed ? 1 : 0;
+  return 1 + header_size(format) + format.end_code_size() + data + etx +
+         (data > 0 ? format.sum_size() : 0) + format.end_size();
 }
 
 Unstuffed unstuffed(ByteView bytes) {

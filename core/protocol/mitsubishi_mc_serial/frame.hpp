@@ -1,13 +1,15 @@
-// Frames of the MC protocol on serial lines (SH-080008, chapter 4). In the formats 1 and 4 all
-// characters are ASCII; format 4 adds CR LF to each frame.
+// Frames of the MC protocol on serial lines (SH-080008, 4.2 and 4.3). In the formats 1 to 4 all
+// characters are ASCII. Format 2 has a block number of two digits before the header, and format 4
+// adds CR LF to each frame.
 //
-//     request       05 header command.. sum(2)
-//     response      02 header data.. 03 sum(2)
-//     no data       06 header
-//     refusal       15 header code(4; 1C: 2)
+//                   formats 1, 2 and 4              format 3
+//     request       05 header command.. sum(2)      02 header command.. 03 sum(2)
+//     response      02 header data.. 03 sum(2)      02 header "QACK" data.. 03 sum(2)
+//     no data       06 header                       02 header "QACK" 03
+//     refusal       15 header code(4; 1C: 2)        02 header "QNAK" code(4; 1C: 2) 03
 //     header  4C    "F8" station(2) network(2) PC(2) module(4) unit(2) own station(2)
 //             3C    "F9" station(2) network(2) PC(2) own station(2)
-//             1C    station(2) PC(2)
+//             1C    station(2) PC(2), with "GG" and "NN" for "QACK" and "QNAK"
 //
 // The sum covers the characters after 05 or 02, with 03. Format 5 carries 4C frames in binary code:
 //
@@ -20,6 +22,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/base/bytes.hpp"
 
@@ -34,6 +37,8 @@ enum class SerialFrame : std::uint8_t { k4c, k3c, k1c };
 
 struct SerialFormat {
   SerialFrame frame = SerialFrame::k4c;
+  bool numbered = false;  // format 2: with a block number
+  bool enclosed = false;  // format 3: between 02 and 03, with end codes
   bool line_end = false;  // format 4
   bool binary = false;    // format 5
   bool sum_check = true;
@@ -44,7 +49,16 @@ struct SerialFormat {
   [[nodiscard]] constexpr std::size_t code_size() const {
     return binary || frame == SerialFrame::k1c ? 2 : 4;
   }
+  [[nodiscard]] constexpr std::size_t end_code_size() const { return enclosed ? code_size() : 0; }
 };
+
+// End codes of format 3.
+struct EndCodePair {
+  std::string_view done, refused;
+};
+[[nodiscard]] constexpr EndCodePair end_codes_of(SerialFrame frame) {
+  return frame == SerialFrame::k1c ? EndCodePair{"GG", "NN"} : EndCodePair{"QACK", "QNAK"};
+}
 
 struct SerialRoute {
   std::uint8_t station = 0, network = 0, pc = 0xFF;
@@ -54,10 +68,15 @@ struct SerialRoute {
 
 // Sizes of headers by SerialFrame; half of it in binary code.
 inline constexpr std::size_t kHeaderDigits[] = {16, 10, 4};
+inline constexpr std::size_t kBlockDigits = 2;
+// With the block number of format 2.
 [[nodiscard]] constexpr std::size_t header_size(const SerialFormat& format) {
-  return kHeaderDigits[static_cast<std::size_t>(format.frame)] / (format.binary ? 2 : 1);
+  return kHeaderDigits[static_cast<std::size_t>(format.frame)] / (format.binary ? 2 : 1) +
+         (format.numbered ? kBlockDigits : 0);
 }
-[[nodiscard]] Bytes header_of(const SerialFormat& format, const SerialRoute& route);
+// `block`: used in format 2.
+[[nodiscard]] Bytes header_of(const SerialFormat& format, const SerialRoute& route,
+                              std::uint8_t block);
 
 // `content`: from the command on.
 void append_request(Bytes& out, const SerialFormat& format, ByteView header, ByteView content);

@@ -20,7 +20,9 @@ namespace {
 
 constexpr std::size_t kMaxReceived = 16'000;  // three of the largest frames
 
-// A response names the stations of its request, but not the command.
+// A response names the stations of its request, but not the command. In format 2 it also has the
+// block number: SH-080008 shows one in each response, and the computer link manual of the A series
+// (AJ71C24-S6, 8.4.5) calls it a reference of the computer to its data.
 constexpr Traits kSerialTraits{
     .name = "mitsubishi-mc-serial",
     .summary = "Mitsubishi MC protocol on a serial line: 1C, 3C and 4C frames",
@@ -42,11 +44,11 @@ Bytes frame_with(const Request& request, const Commands& commands, const SerialF
 template <class Commands>
 class SerialExchange final : public Exchange {
  public:
-  SerialExchange(const SerialFormat& format, const Commands& commands, const Bytes& header,
+  SerialExchange(const SerialFormat& format, const Commands& commands, Bytes header,
                  std::span<const DeviceCode> codes, Request request)
       : format_(format),
         commands_(commands),
-        header_(header),
+        header_(std::move(header)),
         codes_(codes),
         request_(std::move(request)) {}
 
@@ -114,9 +116,10 @@ class SerialProtocol final : public Protocol {
  public:
   SerialProtocol(const SerialFormat& format, const Commands& commands, const SerialRoute& route,
                  std::uint16_t max_ranges, std::span<const DeviceCode> codes)
-      : format_(format), commands_(commands), header_(header_of(format, route)) {
+      : format_(format), commands_(commands), route_(route) {
     traits_.max_ranges = max_ranges;
     traits_.codes = codes;
+    if (format.numbered) traits_.identity = ResponseIdentity::kSequence;
   }
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return reached_by(commands_).areas; }
@@ -130,25 +133,31 @@ class SerialProtocol final : public Protocol {
     const std::size_t response = response_size(format_, sizes->response);
     if (!format_.binary) return ExchangeSize::of(request_size(format_, sizes->request), response);
     // Some characters are sent twice; those of a response depend on its data and are not counted.
-    return ExchangeSize::of(frame_with(request, commands_, format_, header_).size(), response);
+    return ExchangeSize::of(frame_with(request, commands_, format_, header({})).size(), response);
   }
-  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
-    return std::make_unique<SerialExchange<Commands>>(format_, commands_, header_, traits_.codes,
-                                                      std::move(request));
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+    return std::make_unique<SerialExchange<Commands>>(format_, commands_, header(context),
+                                                      traits_.codes, std::move(request));
   }
 
-  // A response shows its stations and its length, which is the same for all writes. A refusal shows
-  // its stations only: a late one counts for the request that is in flight.
-  bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
-                  ExchangeContext) const override {
+  // Without a block number, a response shows its stations and its length, which is the same for all
+  // writes. A refusal shows its stations only: a late one counts for the request that is in flight.
+  bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
+                  ExchangeContext later_context) const override {
+    if (format_.numbered)
+      return Protocol::mistakable(earlier, earlier_context, later, later_context);
     const auto first = command_sizes(commands_, earlier), second = command_sizes(commands_, later);
     return !first || !second || first->response == second->response;
   }
 
  private:
+  Bytes header(const ExchangeContext& context) const {
+    return header_of(format_, route_, static_cast<std::uint8_t>(context.sequence));
+  }
+
   const SerialFormat format_;
   const Commands commands_;
-  const Bytes header_;
+  const SerialRoute route_;
   Traits traits_ = kSerialTraits;
 };
 
@@ -174,12 +183,14 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   OptionReader reader(link, kSerialTraits, kOptions);
   SerialFormat format;
   format.frame = static_cast<SerialFrame>(reader.choice("frame", {"4c", "3c", "1c"}));
-  const std::size_t number = reader.choice("format", {"1", "4", "5"});
-  format.line_end = number == 1;
-  format.binary = number == 2;
+  const std::size_t number = 1 + reader.choice("format", {"1", "2", "3", "4", "5"});
+  format.numbered = number == 2;
+  format.enclosed = number == 3;
+  format.line_end = number == 4;
+  format.binary = number == 5;
   format.sum_check = reader.flag("sum-check", true);
   if (format.binary && format.frame != SerialFrame::k4c)
-    reader.refuse("format", "only 4C frames have format 5", "1, 4");
+    reader.refuse("format", "only 4C frames have format 5", "1, 2, 3, 4");
   if (format.binary && link.line.data_bits != 8)
     reader.refuse("format", "format 5 needs 8 data bits", "format: 8E1, 8N1 or 8O1 of the port");
   refuse_unused(reader, format.frame);
@@ -214,11 +225,16 @@ constexpr std::string_view kAAddresses[] = {
 constexpr std::string_view kFxAddresses[] = {"D100", "D8010", "D101.5", "TN5", "CN6",
                                              "M14",  "M8001", "S3",     "X17", "Y5",
                                              "TS5",  "TC5",   "CS5",    "CC5"};
+constexpr ProtocolOption kFormat2[] = {{"format", "2"}};
+constexpr ProtocolOption kFormat3[] = {{"format", "3"}};
 constexpr ProtocolOption kFormat4[] = {{"format", "4"}};
 constexpr ProtocolOption kFormat5[] = {{"format", "5"}};
 constexpr ProtocolOption k3c[] = {{"frame", "3c"}};
+constexpr ProtocolOption k3cFormat3[] = {{"frame", "3c"}, {"format", "3"}};
 constexpr ProtocolOption k3cFormat4[] = {{"frame", "3c"}, {"format", "4"}};
 constexpr ProtocolOption k1c[] = {{"frame", "1c"}};
+constexpr ProtocolOption k1cFormat2[] = {{"frame", "1c"}, {"format", "2"}};
+constexpr ProtocolOption k1cFormat3[] = {{"frame", "1c"}, {"format", "3"}};
 constexpr ProtocolOption k1cFormat4[] = {{"frame", "1c"}, {"format", "4"}};
 constexpr ProtocolOption kAna[] = {{"frame", "1c"}, {"commands", "ana"}};
 constexpr ProtocolOption kFx[] = {{"frame", "1c"}, {"commands", "fx"}};
@@ -226,12 +242,17 @@ constexpr ProtocolOption kWide[] = {{"series", "iqr"}};
 constexpr ProtocolAlias kAliases[] = {{"mc-serial"}, {"melsec-serial"}};
 constexpr ProtocolVariant kVariants[] = {
     {.addresses = kAddresses},
+    {.options = kFormat2, .addresses = kAddresses},
+    {.options = kFormat3, .addresses = kAddresses},
     {.options = kFormat4, .addresses = kAddresses},
     {.options = kFormat5, .addresses = kAddresses},
     {.options = k3c, .addresses = kAddresses},
+    {.options = k3cFormat3, .addresses = kAddresses},
     {.options = k3cFormat4, .addresses = kAddresses},
     {.options = kWide, .addresses = kAddresses},
     {.options = k1c, .addresses = kAAddresses},
+    {.options = k1cFormat2, .addresses = kAAddresses},
+    {.options = k1cFormat3, .addresses = kAAddresses},
     {.options = k1cFormat4, .addresses = kAAddresses},
     {.options = kAna, .addresses = kAAddresses},
     {.options = kFx, .addresses = kFxAddresses},
@@ -248,7 +269,7 @@ const ProtocolEntry& serial_entry() {
       .seen_request = seen_serial_request,
       .options = kOptions,
       .options_text =
-          "`frame: 3c`, `1c` (4c), `format: 4`, `5` (1) and `sum-check: false` (true) as the "
+          "`frame: 3c`, `1c` (4c), `format: 2` to `5` (1) and `sum-check: false` (true) as the "
           "module has them, `series: iqr` (q), `commands: ana`, `fx` (a) of 1C frames, `network`, "
           "`pc`, `module`, `unit` of another PLC behind the module, `own-station` of this "
           "computer; "

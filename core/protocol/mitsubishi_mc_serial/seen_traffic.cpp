@@ -48,19 +48,34 @@ std::optional<std::size_t> short_content(ByteView content) {
   return fixed + (command[1] == 'R' ? 0 : count * (bits ? 1 : 4));
 }
 
+std::optional<AsciiRequest> request_in(ByteView text, bool numbered) {
+  if (numbered && !number_at(text, 0, kBlockDigits)) return std::nullopt;
+  AsciiRequest request{.format = {.numbered = numbered}};
+  request.format.frame = frame_of(text.subspan(numbered ? kBlockDigits : 0), false);
+  const std::size_t header = header_size(request.format);
+  if (text.size() < header) return std::nullopt;
+  const ByteView content = text.subspan(header);
+  const auto size =
+      request.format.frame == SerialFrame::k1c ? short_content(content) : long_content(content);
+  if (!size || content.size() < *size) return std::nullopt;
+  request.size = header + *size;
+  request.certain = std::ranges::any_of(content.first(*size),
+                                        [](std::uint8_t each) { return hex_digit(each) < 0; });
+  return request;
+}
+
 SeenRequest seen_ascii(ByteView bytes) {
+  const bool enclosed = bytes[0] == kStx;  // format 3
   const ByteView text = bytes.subspan(1);
-  const SerialFrame frame = frame_of(text, false);
-  const std::size_t header = header_size({.frame = frame});
-  if (text.size() < header) return {};
-  const auto content = content_size(text.subspan(header), frame);
-  if (!content || text.size() < header + *content + 2) return {};
-  const std::size_t summed = header + *content;
+  const auto request = ascii_request(text);
+  if (!request || (enclosed && request->format.numbered)) return {};
+  const std::size_t summed = request->size + (enclosed ? 1 : 0);
+  if (text.size() < summed + 2 || (enclosed && text[summed - 1] != kEtx)) return {};
   if (read_digits(text.subspan(summed, 2)) != sum8(text.first(summed))) return {};
   const std::size_t size = 1 + summed + 2;
   const ByteView rest = bytes.subspan(size);
   const bool line_end = rest.size() >= 2 && rest[0] == '\r' && rest[1] == '\n';
-  return {size + (line_end ? 2 : 0), true};
+  return {size + (line_end ? 2 : 0), !enclosed || request->certain};
 }
 
 SeenRequest seen_binary(ByteView bytes) {
@@ -86,13 +101,14 @@ SerialFrame frame_of(ByteView text, bool binary) {
                               : SerialFrame::k1c;
 }
 
-std::optional<std::size_t> content_size(ByteView content, SerialFrame frame) {
-  return frame == SerialFrame::k1c ? short_content(content) : long_content(content);
+std::optional<AsciiRequest> ascii_request(ByteView text) {
+  const auto request = request_in(text, false);
+  return request ? request : request_in(text, true);
 }
 
 SeenRequest seen_serial_request(ByteView bytes) {
   if (bytes.size() < 2) return {};
-  if (bytes[0] == kEnq) return seen_ascii(bytes);
+  if (bytes[0] == kEnq || bytes[0] == kStx) return seen_ascii(bytes);
   return bytes[0] == kDle && bytes[1] == kStx ? seen_binary(bytes) : SeenRequest{};
 }
 

@@ -17,8 +17,11 @@ using Options = std::map<std::string, std::string>;
 Device module_at(const Options& options = {}, std::uint16_t station = 0) {
   return {"mitsubishi-mc-serial", station, options};
 }
-const Options k4c4{{"format", "4"}}, k4c5{{"format", "5"}}, k3c{{"frame", "3c"}};
+const Options k4c2{{"format", "2"}}, k4c3{{"format", "3"}}, k4c4{{"format", "4"}};
+const Options k4c5{{"format", "5"}}, k3c{{"frame", "3c"}};
+const Options k3c2{{"frame", "3c"}, {"format", "2"}}, k3c3{{"frame", "3c"}, {"format", "3"}};
 const Options k3c4{{"frame", "3c"}, {"format", "4"}};
+const Options k1c2{{"frame", "1c"}, {"format", "2"}}, k1c3{{"frame", "1c"}, {"format", "3"}};
 const Options k1c{{"frame", "1c"}}, k1c4{{"frame", "1c"}, {"format", "4"}};
 const Options kAna{{"frame", "1c"}, {"commands", "ana"}}, kFx{{"frame", "1c"}, {"commands", "fx"}};
 const Options kNoSum{{"sum-check", "false"}};
@@ -76,6 +79,14 @@ const std::vector<Golden>& golden_frames() {
        text("<ENQ>F80000FF03FF000014010000D*0001000003199512021130B3"),
        text("<ACK>F80000FF03FF0000"),
        text("<NAK>F80000FF03FF00007151")},
+      {"4C format 2", k4c2, text("<ENQ>00F80000FF03FF000004010000D*0001000003B0"),
+       text("<STX>00F80000FF03FF0000199512021130<ETX>3E"),
+       text("<ENQ>00F80000FF03FF000014010000D*000100000319951202113013"),
+       text("<ACK>00F80000FF03FF0000"), text("<NAK>00F80000FF03FF00007151")},
+      {"4C format 3", k4c3, text("<STX>F80000FF03FF000004010000D*0001000003<ETX>53"),
+       text("<STX>F80000FF03FF0000QACK199512021130<ETX>FE"),
+       text("<STX>F80000FF03FF000014010000D*0001000003199512021130<ETX>B6"),
+       text("<STX>F80000FF03FF0000QACK<ETX>"), text("<STX>F80000FF03FF0000QNAK7151<ETX>")},
       {"4C format 4", k4c4, text("<ENQ>F80000FF03FF000004010000D*000100000350<CRLF>"),
        text("<STX>F80000FF03FF0000199512021130<ETX>DE<CRLF>"),
        text("<ENQ>F80000FF03FF000014010000D*0001000003199512021130B3<CRLF>"),
@@ -94,6 +105,20 @@ const std::vector<Golden>& golden_frames() {
        {},
        text("<ACK>F90000FF00"),
        text("<NAK>F90000FF007151")},
+      {"3C format 2",
+       k3c2,
+       text("<ENQ>00F90000FF0004010000D*000100000362"),
+       text("<STX>00F90000FF00199512021130<ETX>F0"),
+       {},
+       text("<ACK>00F90000FF00"),
+       text("<NAK>00F90000FF007151")},
+      {"3C format 3",
+       k3c3,
+       text("<STX>F90000FF0004010000D*0001000003<ETX>05"),
+       text("<STX>F90000FF00QACK199512021130<ETX>B0"),
+       {},
+       text("<STX>F90000FF00QACK<ETX>"),
+       text("<STX>F90000FF00QNAK7151<ETX>")},
       {"3C format 4",
        k3c4,
        text("<ENQ>F90000FF0004010000D*000100000302<CRLF>"),
@@ -101,6 +126,12 @@ const std::vector<Golden>& golden_frames() {
        {},
        text("<ACK>F90000FF00<CRLF>"),
        text("<NAK>F90000FF007151<CRLF>")},
+      {"1C format 2", k1c2, text("<ENQ>0000FFWR0D0100038D"), text("<STX>0000FF199512021130<ETX>B1"),
+       text("<ENQ>0000FFWW0D010003199512021130F4"), text("<ACK>0000FF"), text("<NAK>0000FF06"),
+       0x06},
+      {"1C format 3", k1c3, text("<STX>00FFWR0D010003<ETX>30"),
+       text("<STX>00FFGG199512021130<ETX>DF"), text("<STX>00FFWW0D010003199512021130<ETX>97"),
+       text("<STX>00FFGG<ETX>"), text("<STX>00FFNN06<ETX>"), 0x06},
       {"4C format 1 without sum",
        kNoSum,
        text("<ENQ>F80000FF03FF000004010000D*0001000003"),
@@ -255,6 +286,43 @@ TEST(MitsubishiMcSerial, AnAcknowledgementIsWhole) {
   EXPECT_TRUE(run(device, write, text("\xFF<ACK>F80000FF03FF0000\xFF")).done());
 }
 
+TEST(MitsubishiMcSerial, AnotherBlockNumberIsAnotherResponse) {
+  const Device device = module_at(k3c2);
+  const Request read = device.read("D0"), write = device.write("D0", "0001");
+  EXPECT_EQ(device.request_bytes(read, 0x17A), text("<ENQ>7AF90000FF0004010000D*000000000177"));
+  const auto answered = [&](const Request& request, std::string_view response) {
+    const auto exchange = device.begin(request, 0x17A);
+    return drive(*exchange, text(response));
+  };
+  EXPECT_EQ(answered(read, "<STX>79F90000FF001234<ETX>68").cause, Cause::kForeign);
+  EXPECT_EQ(answered(read, "<NAK>79F90000FF007151").cause, Cause::kForeign);
+  EXPECT_EQ(answered(write, "<ACK>79F90000FF00").cause, Cause::kForeign);
+  EXPECT_TRUE(answered(read, "<STX>79F90000FF001234<ETX>68<STX>7AF90000FF001234<ETX>70").done());
+  EXPECT_TRUE(answered(write, "<ACK>7AF90000FF00").done());
+  EXPECT_EQ(device.protocol().traits().identity, ResponseIdentity::kSequence);
+  EXPECT_FALSE(device.protocol().mistakable(read, {1}, read, {2}));
+  EXPECT_TRUE(device.protocol().mistakable(read, {1}, write, {0x101}));
+}
+
+TEST(MitsubishiMcSerial, Format3HasEndCodes) {
+  const Device device = module_at(k3c3), a = module_at(k1c3);
+  const Request read = device.read("D0"), write = device.write("D0", "0001");
+  EXPECT_EQ(run(device, write, text("<STX>F90000FF00QACK")).cause, Cause::kTruncated);
+  EXPECT_EQ(run(device, write, text("<STX>F90000FF00QACK<ETX>34")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, write, text("<STX>F90000FF00QACC<ETX>")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, write, text("<STX>F90000FF00GG<ETX>")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, write, text("<STX>F90000FF00QNAK715<ETX>")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, write, text("<ACK>F90000FF00")).cause, Cause::kChecksum);
+  EXPECT_EQ(run(device, read, text("<STX>F90000FF00QACK<ETX>")).cause, Cause::kMalformed);
+  EXPECT_EQ(run(device, read, text("<STX>F90100FF00QNAK7151<ETX>")).cause, Cause::kForeign);
+  EXPECT_EQ(run(device, read, text("<STX>F90000FF00QNAK7F24<ETX>")).cause, Cause::kChecksum);
+  EXPECT_TRUE(run(device, write, text("\xFF<STX>F90000FF00QACK<ETX>\xFF")).done());
+  EXPECT_EQ(run(a, a.write("D0", "0001"), text("<STX>00FFQACK<ETX>")).cause, Cause::kChecksum);
+  Bytes echoed = device.request_bytes(read);
+  append(echoed, text("<STX>F90000FF00QACK1234<ETX>18"));
+  EXPECT_EQ(values(device, read, echoed), (Bytes{0x12, 0x34}));
+}
+
 TEST(MitsubishiMcSerial, LateResponsesAreKnownByTheirLength) {
   const Device device = module_at();
   const auto alike = [&](const Request& earlier, const Request& later) {
@@ -288,7 +356,7 @@ TEST(MitsubishiMcSerial, AnInvalidOptionIsAFault) {
     return !made.has_value() && made.error().option == name;
   };
   for (const auto& [name, value] : Options{{"frame", "3e"},
-                                           {"format", "3"},
+                                           {"format", "6"},
                                            {"sum-check", "yes"},
                                            {"series", "fx"},
                                            {"network", "240"},
@@ -343,6 +411,15 @@ TEST(MitsubishiMcSerial, AFrameIsExplained) {
   explained("<ENQ>05FFJRAX00004005AF", "command=JR read bits wait=100 ms");
   explained("<ENQ>00FFTT005ABCDE78", "command=TT loopback test");
   explained("<NAK>00FF00", "code=00 writes while the CPU runs are disabled");
+  explained("<STX>F90000FF0004010000D*0001000003<ETX>05", "3C request, format 3 frame=F9 ");
+  explained("<STX>F90000FF00QACK1995<ETX>26", "3C response, format 3 frame=F9 station=00 ");
+  explained("<STX>F90000FF00QACK1995<ETX>26", "end code=QACK data=1995 sum=26");
+  explained("<STX>00FFGG<ETX>", "1C response without data, format 3 station=00 PC=FF end code=GG ");
+  explained("<STX>00FFNN06<ETX>", "1C refusal, format 3 station=00 PC=FF end code=NN code=06 the");
+  explained("<ENQ>7A00FFWR0D010003A5", "1C request, format 2 block=7A station=00 PC=FF command=WR");
+  explained("<STX>F8F80000FF03FF00001234<ETX>C4", "4C response, format 2 block=F8 frame=F8 ");
+  explained("<ACK>7A00FF", "1C response without data, format 2 block=7A station=00 PC=FF ");
+  explained("<NAK>7A00FF06", "1C refusal, format 2 block=7A station=00 PC=FF code=06 the");
   EXPECT_NE(explain(text("F80000")).second, "");
   EXPECT_NE(explain({}).second, "");
   EXPECT_NE(explain(text("<STX>F80000FF")).second, "");

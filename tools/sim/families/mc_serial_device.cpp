@@ -118,8 +118,9 @@ class McSerialDevice::Line : public GapReceiver {
  private:
   // Both return false if the character is not part of a request.
   bool begins_ascii(std::uint8_t character) {
-    if (character == kEnq) received_.clear();
-    if (character != kEnq && received_.empty()) return false;
+    const bool begins = character == (device_.enclosed_ ? kStx : kEnq);
+    if (begins) received_.clear();
+    if (!begins && received_.empty()) return false;
     received_.push_back(character);
     return true;
   }
@@ -136,6 +137,8 @@ class McSerialDevice::Line : public GapReceiver {
 McSerialDevice::McSerialDevice(const DeviceSetup& setup)
     : McDevice(setup, option(setup, "format", "1") != "5"),
       binary_(!ascii_),
+      numbered_(option(setup, "format", "1") == "2"),
+      enclosed_(option(setup, "format", "1") == "3"),
       line_end_(option(setup, "format", "1") == "4"),
       sum_check_(option(setup, "sum-check", "true") == "true"),
       short_(option(setup, "frame", "4c") == "1c"),
@@ -171,25 +174,29 @@ std::optional<std::size_t> McSerialDevice::length_of(ByteView content) const {
 }
 
 bool McSerialDevice::take_ascii(ByteView text, Instant now, Reaction& reaction) {
-  if (text.size() < header_.size()) return false;
-  if (!std::ranges::equal(text.first(header_.size()), header_)) return true;
-  const auto length = length_of(text.subspan(header_.size()));
+  const std::size_t begin = content_begin();
+  if (text.size() < begin) return false;
+  if (!std::ranges::equal(text.first(begin).last(header_.size()), header_)) return true;
+  const ByteView block = text.first(begin - header_.size());
+  block_.assign(block.begin(), block.end());
+  const auto length = length_of(text.subspan(begin));
   if (!length || *length == 0) return false;
-  const std::size_t summed = header_.size() + *length;
+  const std::size_t summed = begin + *length + (enclosed_ ? 1 : 0);
   const std::size_t sum = sum_check_ ? 2 : 0, end = line_end_ ? 2 : 0;
   if (text.size() < summed + sum + end) return false;
   const ByteView digits = text.subspan(summed, sum), marks = text.subspan(summed + sum, end);
   if (sum_check_ && number_in(digits) != sum8(text.first(summed)))
     respond({kWrongSum, {}}, reaction);
-  else if (line_end_ && (marks[0] != '\r' || marks[1] != '\n'))
+  else if ((line_end_ && (marks[0] != '\r' || marks[1] != '\n')) ||
+           (enclosed_ && text[summed - 1] != kEtx))
     respond({kWrongEnd, {}}, reaction);
   else
-    respond(execute(text.subspan(header_.size(), *length), now), reaction);
+    respond(execute(text.subspan(begin, *length), now), reaction);
   return true;
 }
 
 void McSerialDevice::refuse_unknown(ByteView text, Reaction& reaction) {
-  if (text.size() >= header_.size() && length_of(text.subspan(header_.size())) == 0)
+  if (text.size() >= content_begin() && length_of(text.subspan(content_begin())) == 0)
     respond({kUnknownCommand, {}}, reaction);
 }
 
@@ -285,14 +292,16 @@ void McSerialDevice::respond(const Result& result, Reaction& reaction) {
 }
 
 void McSerialDevice::respond_ascii(const Result& result, Bytes& out) const {
-  out.push_back(result.end != 0 ? kNak : result.data.empty() ? kAck : kStx);
+  const bool refused = result.end != 0, has_data = !result.data.empty();
+  out.push_back(enclosed_ || has_data ? kStx : refused ? kNak : kAck);
+  append(out, block_);
   append(out, header_);
-  if (result.end != 0) append_hex(out, result.end, short_ ? 2 : 4);
+  const std::string_view end_code = refused ? (short_ ? "NN" : "QNAK") : (short_ ? "GG" : "QACK");
+  if (enclosed_) out.insert(out.end(), end_code.begin(), end_code.end());
+  if (refused) append_hex(out, result.end, short_ ? 2 : 4);
   append(out, result.data);
-  if (!result.data.empty()) {
-    out.push_back(kEtx);
-    if (sum_check_) append_hex(out, sum8(ByteView(out).subspan(1)), 2);
-  }
+  if (enclosed_ || has_data) out.push_back(kEtx);
+  if (has_data && sum_check_) append_hex(out, sum8(ByteView(out).subspan(1)), 2);
   if (!line_end_) return;
   out.push_back('\r');
   out.push_back('\n');

@@ -3,10 +3,13 @@
 // and to a request whose header has its station and the route of its options.
 //
 //     05 header content sum  ->  02 header data 03 sum, 06 header, or 15 header code
+//     02 header content 03 sum  ->  02 header QACK data 03 sum, 02 header QACK 03, or
+//                                   02 header QNAK code 03 (format 3; 1C: GG and NN)
 //     10 02 count header content 10 03 sum  ->  10 02 count header FF FF code data 10 03 sum
 //
-// 1C frames carry BR, WR, BW, WW, JR, QR, JW and QW; an FX has octal numbers of X and Y. A refused
-// range has the code 06 there, whatever its configuration says.
+// In format 2, a response has the block number of its request. 1C frames carry BR, WR, BW, WW, JR,
+// QR, JW and QW; an FX has octal numbers of X and Y. A refused range has the code 06 there,
+// whatever its configuration says.
 //
 // The module finds the end of a request without CR LF by the length that its command needs. A
 // silence of 100 ms ends a partial frame; an unknown command is refused then.
@@ -47,8 +50,12 @@ class McSerialDevice : public McDevice {
   void respond_ascii(const Result& result, Bytes& out) const;
   void respond_binary(const Result& result, Bytes& out) const;
 
-  const bool binary_, line_end_, sum_check_, short_, octal_;
+  // Characters of a request in ASCII code before its command.
+  [[nodiscard]] std::size_t content_begin() const { return header_.size() + (numbered_ ? 2 : 0); }
+
+  const bool binary_, numbered_, enclosed_, line_end_, sum_check_, short_, octal_;
   Bytes header_;
+  Bytes block_;  // of the request that is executed; format 2
 };
 
 // Fails for a station above 31 or an invalid channel address.
