@@ -120,7 +120,14 @@ CommandLine& CommandLine::command(const std::string& name, const std::string& de
   return *state_->commands.back();
 }
 
-void CommandLine::make_commands_optional() { state_->app->require_subcommand(0, 1); }
+void CommandLine::make_commands_optional() {
+  state_->app->require_subcommand(0, 1);
+  for (const auto& command : state_->commands) {
+    command->state_->app->preparse_callback([parent = state_->app](std::size_t) {
+      for (CLI::Option* option : parent->get_options()) option->required(false);
+    });
+  }
+}
 
 void CommandLine::when_given(std::function<std::optional<Fault>()> check) {
   state_->app->callback([check = std::move(check)] {

@@ -60,7 +60,8 @@ class CommandLine {
 
   // Adds a subcommand, which lives as long as this object. One of them is then required.
   CommandLine& command(const std::string& name, const std::string& description);
-  // Allows a call without a subcommand. Call it after the last command().
+  // Allows a call without a subcommand. The required options of this command are required only in
+  // such a call. Call it after the last command().
   void make_commands_optional();
   // Called after the options were parsed, if this (sub)command was given. A fault ends the parse.
   struct Fault {

@@ -26,16 +26,18 @@ LastRequest last_request_of(const DeviceSpec& device) {
 }  // namespace
 
 void DeviceRegistry::add(const BusSpec& bus, const std::shared_ptr<BusRunner>& runner) {
+  const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);
+  const std::string module = dial_in ? dial_in->number : "";
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < bus.devices.size(); ++i) {
     const DeviceSpec& device = bus.devices[i];
     if (!device.number.empty())
-      targets_[device.number] = {bus.name, device.name, runner, i, last_request_of(device)};
+      targets_[device.number] = {bus.name, device.name, runner, i, module, last_request_of(device)};
   }
-  const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);
   if (dial_in && !bus.devices.empty())
-    targets_[dial_in->number] = {bus.name, bus.devices.front().name, runner, 0,
-                                 last_request_of(bus.devices.front())};
+    targets_[module] = {bus.name, bus.devices.front().name,
+                        runner,   0,
+                        module,   last_request_of(bus.devices.front())};
 }
 
 void DeviceRegistry::remove(const std::string& bus) {
@@ -155,6 +157,34 @@ void DeviceRegistry::give_back(const std::shared_ptr<DeviceLease>& lease,
     modules_->end_lease(lease->number, lost.has_value());
   }
   free(lease);
+}
+
+ListedDevice DeviceRegistry::listed(const std::string& number, const Target& target) const {
+  using State = ListedDevice::State;
+  ListedDevice device{number, target.bus, target.device, State::kFree, {}};
+  for (const auto& [leased, lease] : leases_) {
+    if (leased != number && (!target.runner || lease->runner != target.runner)) continue;
+    device.state = State::kInUse;
+    device.who = lease->who;
+    return device;
+  }
+  if (!target.dial_in.empty() && !(modules_ && modules_->connected(target.dial_in)))
+    device.state = State::kNotOnline;
+  return device;
+}
+
+std::vector<ListedDevice> DeviceRegistry::devices() const {
+  std::map<std::string, Target> all;
+  if (modules_) {
+    for (const std::string& number : modules_->kept()) all[number] = {"dial-in", number, nullptr};
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [number, target] : targets_) all[number] = target;
+  }
+  std::vector<ListedDevice> devices;
+  for (const auto& [number, target] : all) devices.push_back(listed(number, target));
+  return devices;
 }
 
 std::vector<LeasedDevice> DeviceRegistry::leased() const {

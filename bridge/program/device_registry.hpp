@@ -14,6 +14,7 @@
 #include "bridge/program/module/module_server.hpp"
 #include "bridge/program/module/relay_end.hpp"
 #include "bridge/program/server.hpp"
+#include "core/program/device_list.hpp"
 #include "core/program/frame.hpp"
 #include "core/program/last_request.hpp"
 
@@ -64,6 +65,9 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
                                     Handlers handlers);
   // `lost` is the reason why the line can no longer be used.
   void give_back(const std::shared_ptr<DeviceLease>& lease, std::optional<std::string> lost);
+  // All devices that can be requested now or when their module dials in, by number. A device is in
+  // use also while its bus is leased for another device.
+  [[nodiscard]] std::vector<ListedDevice> devices() const;
   // Devices that are leased or requested, or whose last bytes are being sent.
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
@@ -72,8 +76,10 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
     std::string bus, device;
     std::shared_ptr<BusRunner> runner;
     std::size_t index = 0;     // of the device in its bus
+    std::string dial_in{};     // number of the bus's module; empty: the bus opens its line itself
     LastRequest last_request;  // of no session yet
   };
+  [[nodiscard]] ListedDevice listed(const std::string& number, const Target& target) const;
   [[nodiscard]] std::optional<Target> find(const std::string& number) const;
   void try_take(const std::shared_ptr<DeviceLease>& lease, Handlers handlers);
   void free(const std::shared_ptr<DeviceLease>& lease);

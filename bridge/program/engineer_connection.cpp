@@ -178,6 +178,14 @@ void EngineerConnection::execute(const TakeDevice& what) {
                                   }});
 }
 
+void EngineerConnection::execute(const ListDevices&) {
+  number_.clear();  // of an earlier request
+  asio::post(around_.io, [weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (self) self->tell(DevicesListed{self->around_.devices->devices()});
+  });
+}
+
 void EngineerConnection::granted(FileDescriptor line) {
   line_ = line.get();
   tune_socket(line_, kTunnelPatience);  // no effect on a serial line
@@ -344,6 +352,9 @@ void EngineerConnection::execute(const Remark& what) {
       fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
   switch (what.kind) {
     case Remark::Kind::kLogin: return audit("logged in");
+    case Remark::Kind::kListed:
+      log_counted(LogLevel::kInfo, "program", "lists of devices", text);
+      return audit(what.text);
     case Remark::Kind::kPaired:
       log_counted(LogLevel::kInfo, "program", "pairings", text + ", paired");
       return audit("paired, " + what.text);

@@ -58,6 +58,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void execute(const ToDevice& what);
   void execute(const CheckLogin& what);
   void execute(const TakeDevice& what);
+  void execute(const ListDevices& what);
   void execute(const SetLine& what);
   void execute(const ChangeLine& what);
   void execute(const HoldDevice& what);

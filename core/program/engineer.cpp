@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/message_text.hpp"
+
 namespace fieldcast::program {
 namespace {
 
@@ -75,7 +77,7 @@ void Engineer::handle(const DeviceGiven&, Instant now, Actions& actions) {
   reply(Reply::kPaired, actions);
   actions.push_back(
       Remark{Remark::Kind::kPaired, by_length_ ? "framing by length" : "framing by markers"});
-  refused_ = 0;
+  refused_ = listed_ = 0;
   noise_ = 0;
   to_device_ = from_device_ = 0;
   writer_ = MarkerWriter(Sender::kBridge);
@@ -92,6 +94,17 @@ void Engineer::handle(const DeviceGiven&, Instant now, Actions& actions) {
 
 void Engineer::handle(const DeviceRefused& event, Instant now, Actions& actions) {
   if (state_ == State::kTaking) refuse(event.why, event.reason, now, actions);
+}
+
+// Only clients that have logged in get the names of other engineers.
+void Engineer::handle(const DevicesListed& event, Instant now, Actions& actions) {
+  if (state_ != State::kListing) return;
+  actions.push_back(ToClient{list_frames(event.devices, logged_in_)});
+  actions.push_back(Remark{Remark::Kind::kListed,
+                           counted(event.devices.size(), "device", "devices") + " listed"});
+  state_ = State::kHandshake;
+  handshake_until_ = now + rules_.handshake;
+  read_frames(now, actions);
 }
 
 void Engineer::handle(const FromDevice& event, Instant now, Actions& actions) {

@@ -1,6 +1,7 @@
 // The bridge side of an engineer's connection: login, request for a device, pairing, end. Pure. The
-// shell assigns devices (TakeDevice gives DeviceGiven or DeviceRefused) and owns the byte queues
-// (ClientTakes and DeviceTakes report when one is full).
+// shell assigns devices (TakeDevice gives DeviceGiven or DeviceRefused), lists them (ListDevices
+// gives DevicesListed) and owns the byte queues (ClientTakes and DeviceTakes report when one is
+// full).
 #pragma once
 
 #include <string>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/program/device_list.hpp"
 #include "core/program/frame.hpp"
 #include "core/program/marker_framing.hpp"
 #include "core/telnet/line_server.hpp"
@@ -49,6 +51,9 @@ struct DeviceRefused {
   Reply why = Reply::kNotOnline;
   std::string reason;
 };
+struct DevicesListed {
+  std::vector<ListedDevice> devices;
+};
 struct FromDevice {
   ByteView bytes;
 };
@@ -76,9 +81,10 @@ struct TimerFired {};
 struct Ended {  // the bridge stops
   std::string reason;
 };
-using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused,
-                                   FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains,
-                                   DeviceDrains, LineChanged, LineState, TimerFired, Ended>;
+using EngineerEvent =
+    std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused, DevicesListed,
+                 FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains, DeviceDrains,
+                 LineChanged, LineState, TimerFired, Ended>;
 
 struct ToClient {
   Bytes bytes;
@@ -92,6 +98,7 @@ struct CheckLogin {
 struct TakeDevice {
   std::string number;
 };
+struct ListDevices {};
 struct SetLine {
   LineSettings settings;
 };
@@ -108,12 +115,21 @@ struct SetTimer {
   Instant at;  // replaces the previous one
 };
 struct Remark {
-  enum class Kind : std::uint8_t { kLogin, kLoginFailed, kRefused, kPaired, kEnded, kDropped };
+  enum class Kind : std::uint8_t {
+    kLogin,
+    kLoginFailed,
+    kRefused,
+    kListed,
+    kPaired,
+    kEnded,
+    kDropped
+  };
   Kind kind;
   std::string text;
 };
-using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, ChangeLine,
-                                    HoldDevice, FreeDevice, HangUp, SetTimer, Remark>;
+using EngineerAction =
+    std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, ListDevices, SetLine, ChangeLine,
+                 HoldDevice, FreeDevice, HangUp, SetTimer, Remark>;
 using EngineerActions = std::vector<EngineerAction>;
 
 class Engineer {
@@ -126,6 +142,7 @@ class Engineer {
   // More noise closes the connection.
   static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;
   static constexpr unsigned kMaxRefused = 10;      // consecutive refused requests
+  static constexpr unsigned kMaxLists = 10;        // requests for the list without a pairing
   static constexpr std::size_t kMaxEarly = 65536;  // bytes before the response to a request
 
   Engineer(const EngineerRules& rules, Instant now);
@@ -139,7 +156,7 @@ class Engineer {
   [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
 
  private:
-  enum class State : std::uint8_t { kHandshake, kLogin, kTaking, kPaired, kOver };
+  enum class State : std::uint8_t { kHandshake, kLogin, kListing, kTaking, kPaired, kOver };
   using Actions = EngineerActions;
 
   void handle(const FromClient& event, Instant now, Actions& actions);
@@ -147,6 +164,7 @@ class Engineer {
   void handle(const LoginChecked& event, Instant now, Actions& actions);
   void handle(const DeviceGiven& event, Instant now, Actions& actions);
   void handle(const DeviceRefused& event, Instant now, Actions& actions);
+  void handle(const DevicesListed& event, Instant now, Actions& actions);
   void handle(const FromDevice& event, Instant now, Actions& actions);
   void handle(const DeviceLost& event, Instant now, Actions& actions);
   void handle(const ClientTakes& event, Instant now, Actions& actions);
@@ -164,6 +182,7 @@ class Engineer {
   void read_chunks(ByteView bytes, Instant now, Actions& actions);
   void handshake_code(const std::string& code, Instant now, Actions& actions);
   void transmission_code(const std::string& code, Instant now, Actions& actions);
+  void request_list(Actions& actions);
   void login(std::string_view code, Actions& actions);
   void broken(const BrokenFrame& frame, Actions& actions);
   void program_bytes(Bytes bytes, Instant now, Actions& actions);
@@ -187,6 +206,7 @@ class Engineer {
   MarkerWriter writer_{Sender::kBridge};
   LengthReader lengths_;
   unsigned refused_ = 0;
+  unsigned listed_ = 0;  // requests for the list since the connection, or since the last pairing
   std::size_t noise_ = 0;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant handshake_until_;

@@ -1,33 +1,9 @@
-#include <algorithm>
 #include <utility>
 
 #include "core/program/engineer.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {
-namespace {
-
-std::optional<std::string> unhex(std::string_view digits) {
-  if (digits.size() % 2 != 0 || digits.size() > 2 * kMaxLoginText) return std::nullopt;
-  const auto value = [](char c) {
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-  };
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); i += 2) {
-    const int high = value(digits[i]), low = value(digits[i + 1]);
-    if (high < 0 || low < 0) return std::nullopt;
-    text.push_back(static_cast<char>(high * 16 + low));
-  }
-  return text;
-}
-
-// Names are part of a line in the log and the audit trail.
-bool can_stand_in_a_line(std::string_view text) {
-  return !text.empty() &&
-         std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-}
-
-}  // namespace
 
 void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
   received_at_ = now;
@@ -45,7 +21,8 @@ void Engineer::read_frames(Instant now, Actions& actions) {
   }
   half_from_client_ =
       paired() && !by_length_ && reader_.partial() ? now + reader_.patience() : kNever;
-  const bool waiting = state_ == State::kLogin || state_ == State::kTaking;
+  const bool waiting =
+      state_ == State::kLogin || state_ == State::kListing || state_ == State::kTaking;
   if (waiting && reader_.held() > kMaxEarly) {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
     close("the client does not wait for the response to its request", actions);
@@ -64,10 +41,13 @@ void Engineer::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
 }
 
 void Engineer::handshake_code(const std::string& code, Instant now, Actions& actions) {
+  if (code == kStopCode && listed_ > 0)
+    return close("the client disconnects after the list of devices", actions);
   if (code == kHeartbeatCode || code == kStopCode) return;  // of a previous pairing
   // Program bytes sent before the client received the loss of the device.
   if (code.ends_with('\r')) return broken({FrameFault::kNoise, code.size()}, actions);
   if (code.starts_with(kLoginCode) && code.find(':') != code.npos) return login(code, actions);
+  if (code == kListCode) return request_list(actions);
   by_length_ = code.starts_with(kLengthCode);
   const std::string number = by_length_ ? code.substr(kLengthCode.size()) : code;
   if (!is_device_number(number))
@@ -78,11 +58,20 @@ void Engineer::handshake_code(const std::string& code, Instant now, Actions& act
   actions.push_back(TakeDevice{number});
 }
 
+void Engineer::request_list(Actions& actions) {
+  if (rules_.login_needed && !logged_in_)
+    return refuse_login("the list of devices was requested without a login", actions);
+  if (++listed_ > kMaxLists) return close("too many requests for the list of devices", actions);
+  state_ = State::kListing;
+  actions.push_back(ListDevices{});
+}
+
 void Engineer::login(std::string_view code, Actions& actions) {
   const auto colon = code.find(':');
-  const auto user = unhex(code.substr(kLoginCode.size(), colon - kLoginCode.size()));
-  const auto password = unhex(code.substr(colon + 1));
-  if (!user || !can_stand_in_a_line(*user) || !password)
+  const auto user = text_of_hex(code.substr(kLoginCode.size(), colon - kLoginCode.size()));
+  const auto password = text_of_hex(code.substr(colon + 1));
+  if (!user || !is_name_in_line(*user) || !password || user->size() > kMaxLoginText ||
+      password->size() > kMaxLoginText)
     return refuse_login("a login that cannot be read", actions);
   state_ = State::kLogin;
   actions.push_back(CheckLogin{*user, *password});

@@ -8,13 +8,22 @@
 //                                           (length_framing.hpp)
 //                 AU user : password        login, both in lower-case hexadecimal digits, which
 //                                           never contain FEFF (ours)
-//                 ED                        stop, release the device
+//                 LS:                       request for the list of devices (ours). A device number
+//                                           has no colon, so other bridges reply 0001
+//                 ED                        stop, release the device; after a list, disconnect
 //     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or no programmer
+//                 LD number : state : bus : device : who
+//                                           a device of the list (ours, device_list.hpp). state: 0
+//                                           free, 1 in use, 2 not online; bus, device and who in
+//                                           hexadecimal digits as above; who may be empty
+//                 LE count                  the list ends (ours); count: devices that may be
+//                                           programmed, at least the number of LD frames
 //     both        HB                        heartbeat
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -26,11 +35,12 @@ namespace fieldcast::program {
 inline constexpr std::string_view kFrameStart = "@@", kFrameEnd = "FEFF";
 inline constexpr std::string_view kInstructionEnd = "\rFEFF";
 inline constexpr std::string_view kStopCode = "ED", kHeartbeatCode = "HB";
-inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU";
+inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU", kListCode = "LS:";
+inline constexpr std::string_view kListedCode = "LD", kListEndCode = "LE";
 // Counts the end character; longer instructions are dropped and reported.
 inline constexpr std::size_t kMaxInstruction = 4096;
-// A login with 128 characters of user and of password.
-inline constexpr std::size_t kMaxHandshakeCode = 600;
+// A login with 128 characters of user and of password, or the longest device of a list.
+inline constexpr std::size_t kMaxHandshakeCode = 700;
 inline constexpr std::size_t kMaxLoginText = 128;
 
 enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowed };
@@ -75,6 +85,14 @@ struct LineSettings {
 
 // "@@" code "FEFF".
 [[nodiscard]] Bytes control_frame(std::string_view code);
+
+// Text as lower-case hexadecimal digits, as in the frames of a login and of a list.
+[[nodiscard]] std::string hex_of_text(std::string_view text);
+// Empty if `digits` has an odd length or another character.
+[[nodiscard]] std::optional<std::string> text_of_hex(std::string_view digits);
+// Returns true if the text can be a name in one line of a log, of the audit and of a list: it is
+// not empty and has no control character.
+[[nodiscard]] bool is_name_in_line(std::string_view text);
 
 [[nodiscard]] inline std::string_view as_text(ByteView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -4,19 +4,19 @@
 #include <utility>
 
 namespace fieldcast::program {
-namespace {
 
-std::string hex_of(std::string_view text) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string out;
-  for (const char c : text) {
-    out.push_back(kDigits[static_cast<std::uint8_t>(c) >> 4]);
-    out.push_back(kDigits[static_cast<std::uint8_t>(c) & 15]);
-  }
-  return out;
+Bytes login_frame(const std::string& user, const std::string& password) {
+  if (user.empty()) return {};
+  return control_frame(std::string(kLoginCode) + hex_of_text(user) + ':' + hex_of_text(password));
 }
 
-}  // namespace
+// Only the bridge's audit trail contains the reason of a failed login.
+std::string refusal_text(Reply reply, const std::string& user) {
+  if (reply != Reply::kNotAllowed || user.empty()) return std::string(to_text(reply));
+  return "the login of " + user +
+         " is refused: a wrong password, another role than programmer, or too many wrong passwords "
+         "just before; 'fieldcast audit' at the bridge says which";
+}
 
 void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
   if (over()) return;
@@ -58,11 +58,7 @@ Instant PortClient::silence_limit() const {
 }
 
 void PortClient::greet(Instant now, Actions& actions) {
-  Bytes out;
-  if (!rules_.user.empty()) {
-    append(out, control_frame(std::string(kLoginCode) + hex_of(rules_.user) + ':' +
-                              hex_of(rules_.password)));
-  }
+  Bytes out = login_frame(rules_.user, rules_.password);
   append(out, control_frame((rules_.by_length ? std::string(kLengthCode) : std::string()) +
                             rules_.number));
   actions.push_back(ToBridge{std::move(out)});
@@ -118,7 +114,7 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
     return;
   }
   if (*reply != Reply::kPaired)
-    return finish(PortEnd::Kind::kRefused, refusal(*reply), actions, *reply);
+    return finish(PortEnd::Kind::kRefused, refusal_text(*reply, rules_.user), actions, *reply);
   state_ = State::kPaired;
   heartbeat_at_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
@@ -137,14 +133,6 @@ void PortClient::set_line(LineSettings settings, Actions& actions) const {
   Bytes out;
   append_settings(out, settings);
   actions.push_back(ToBridge{std::move(out)});
-}
-
-// Only the bridge's audit trail contains the reason of a failed login.
-std::string PortClient::refusal(Reply reply) const {
-  if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
-  return "the login of " + rules_.user +
-         " is refused: a wrong password, another role than programmer, or too many wrong passwords "
-         "just before; 'fieldcast audit' at the bridge says which";
 }
 
 void PortClient::read_chunks(ByteView bytes, Actions& actions) {

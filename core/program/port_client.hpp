@@ -23,12 +23,18 @@ struct PortClientRules {
   Duration reply = std::chrono::seconds{30};
 };
 
+// The frame of a login; empty without a user.
+[[nodiscard]] Bytes login_frame(const std::string& user, const std::string& password);
+
 struct PortEnd {
   enum class Kind : std::uint8_t { kStopped, kRefused, kDeviceLost, kBridgeGone, kProtocol };
   Kind kind = Kind::kStopped;
   std::optional<Reply> reply;  // for kRefused
   std::string text;
 };
+
+// Human-readable. `user`: of the login that was sent; empty: none.
+[[nodiscard]] std::string refusal_text(Reply reply, const std::string& user);
 
 class PortClient {
  public:
@@ -94,7 +100,6 @@ class PortClient {
   void pass_to_program(Bytes bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
   void set_line(LineSettings settings, Actions& actions) const;
-  [[nodiscard]] std::string refusal(Reply reply) const;  // human-readable
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
   // Called also in response to the bridge's heartbeats, whose period may be shorter.

@@ -30,6 +30,7 @@ struct EngineerBench {
         logins.push_back(login->user + '/' + login->password);
       if (auto* take = std::get_if<TakeDevice>(&action)) taken.push_back(take->number);
       if (auto* line = std::get_if<SetLine>(&action)) lines.push_back(line->settings);
+      if (std::holds_alternative<ListDevices>(action)) ++lists;
       if (std::holds_alternative<FreeDevice>(action)) ++freed;
       if (std::holds_alternative<HangUp>(action)) ++hung_up;
       if (auto* timer = std::get_if<SetTimer>(&action)) wake = timer->at;
@@ -66,7 +67,7 @@ struct EngineerBench {
   std::vector<std::string> logins, taken;
   std::vector<LineSettings> lines;
   std::vector<Remark> remarks;
-  int freed = 0, hung_up = 0;
+  int lists = 0, freed = 0, hung_up = 0;
 };
 
 }  // namespace fieldcast::program

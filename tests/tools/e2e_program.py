@@ -10,6 +10,7 @@ import json
 import os
 import re
 import select
+import socket
 import struct
 import subprocess
 import sys
@@ -25,7 +26,7 @@ from plant import Failure, Plant, wait_until
 
 BIN_DIR = ""
 DEADLINE = 30         # seconds, for operations that take well under one
-REFUSED = 3           # exit code of fieldcast-port
+FAILURE, USAGE, REFUSED, NO_BRIDGE = 1, 2, 3, 5  # exit codes of fieldcast-port
 TCGETS2 = 0x802C542A  # supports any baud rate; struct termios2: c_cflag at 8, c_ospeed at 40
 
 # Listens on every address, so the bridge requires a login.
@@ -65,15 +66,23 @@ def tearDownModule():
     keys.cleanup()
 
 
-def command(link, user=None, password=None, more=()):
-    arguments = [os.path.join(BIN_DIR, "fieldcast-port"), "--server", f"127.0.0.1:{port}", "--device", "P1", "--link", link,
-                 "--ca", os.path.join(keys.name, "cert.pem"), "--json", *more]
+def login(user=None, password=None):
+    """Returns the options of the bridge and of a login."""
+    options = ["--server", f"127.0.0.1:{port}", "--ca", os.path.join(keys.name, "cert.pem")]
     if user is None:
-        return arguments
+        return options
     path = os.path.join(keys.name, "password-" + user)
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as file:
         file.write(password + "\n")
-    return arguments + ["--user", user, "--password-file", path]
+    return options + ["--user", user, "--password-file", path]
+
+
+def command(link, user=None, password=None, more=()):
+    return [os.path.join(BIN_DIR, "fieldcast-port"), "--device", "P1", "--link", link, "--json", *more, *login(user, password)]
+
+
+def run_list(*options):
+    return subprocess.run([os.path.join(BIN_DIR, "fieldcast-port"), "list", *options], capture_output=True, text=True, timeout=DEADLINE)
 
 
 def refused(user=None, password=None):
@@ -167,6 +176,56 @@ class Programming(unittest.TestCase):
         shown = plant.cli("audit")
         self.assertRegex(shown.out, rf"Z  ann \(127\.0\.0\.1:\d+\)  program line/plc  {len(instruction)} bytes to the device, "
                                     rf"{len(answer)} from it  ended: stopped by the engineer")
+
+    def test_nobody_else_gets_the_list(self):
+        for options, message in [(login(), "a login of a user with the role programmer is needed"),
+                                 (login("vic", PASSWORDS["vic"]), "the login of vic is refused")]:
+            listed = run_list(*options, "--json")
+            self.assertEqual((listed.returncode, listed.stdout), (REFUSED, ""))
+            self.assertIn(f"127.0.0.1:{port}: {message}", listed.stderr)
+        row("program", "login refused: the list of devices was requested without a login")
+
+    def test_the_message_names_a_bridge_that_is_too_old_or_not_there(self):
+        """An earlier bridge replies to the request as to a device number that it does not accept."""
+        for reply, code, message in [(b"@@0001FEFF", REFUSED, "the bridge does not list its devices: update it"),
+                                     (b"HTTP/1.1 400 Bad Request", FAILURE, "the peer is not a Fieldcast bridge"),
+                                     (b"", NO_BRIDGE, "the bridge disconnected: ")]:
+            with self.subTest(message), socket.create_server(("127.0.0.1", 0)) as server:
+                place = "127.0.0.1:%d" % server.getsockname()[1]
+                with subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-port"), "list", "--server", place], stdout=subprocess.PIPE,
+                                      stderr=subprocess.PIPE, text=True) as process:
+                    server.settimeout(DEADLINE)
+                    with server.accept()[0] as peer:
+                        self.assertEqual(peer.recv(100), b"@@LS:FEFF")
+                        peer.sendall(reply)
+                    out, said = process.communicate(timeout=DEADLINE)
+                self.assertEqual((process.returncode, out), (code, ""))
+                self.assertIn(f"fieldcast-port: {place}: {message}", said)
+        listed = run_list("--server", place)
+        self.assertEqual(listed.returncode, NO_BRIDGE)
+        self.assertIn("Connection refused", listed.stderr)
+
+    def test_the_list_has_each_device_and_who_uses_it(self):
+        def listed():  # the session of an earlier test may still end
+            done = run_list(*login("ann", PASSWORDS["ann"]), "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return [json.loads(line) for line in done.stdout.splitlines()]
+        free = [{"number": "P1", "bus": "line", "device": "plc", "state": "free", "who": ""}]
+        wait_until(lambda: listed() == free, DEADLINE, lambda: f"{free}, but {listed()}")
+        with Paired("ann"):
+            shown = run_list(*login("ann", PASSWORDS["ann"]))
+            self.assertRegex(shown.stdout, r"\AP1  line/plc  in use by ann \(127\.0\.0\.1:\d+\)\n\Z")
+        row("program", "1 device listed", who="ann (127.0.0.1:")
+        row("program", "ended: the client disconnects after the list of devices", who="ann (127.0.0.1:")
+
+    def test_the_list_needs_only_the_bridge(self):
+        for options, message in [((), "--server is required"), (("--server", "here"), "--server 'here' names no host and port")]:
+            listed = run_list(*options)
+            self.assertEqual(listed.returncode, USAGE)
+            self.assertIn(message, listed.stderr)
+        paired = subprocess.run([os.path.join(BIN_DIR, "fieldcast-port"), "--server", "127.0.0.1:1"], capture_output=True, text=True, timeout=DEADLINE)
+        self.assertEqual(paired.returncode, USAGE)
+        self.assertIn("--device is required", paired.stderr)
 
     def test_the_line_takes_the_settings_of_the_software_and_has_its_own_again_afterwards(self):
         def becomes(*wanted):

@@ -10,7 +10,9 @@
 #include "bridge/process/secret.hpp"
 #include "config/sections/port_text.hpp"
 #include "core/base/duration_text.hpp"
+#include "core/base/message_text.hpp"
 #include "core/program/frame.hpp"
+#include "tools/program-port/list_session.hpp"
 #include "tools/program-port/local_port.hpp"
 #include "tools/program-port/port_session.hpp"
 
@@ -22,6 +24,22 @@ using program::PortEnd;
 constexpr DurationBounds kHeartbeat{std::chrono::milliseconds{500}, std::chrono::minutes{10}, true};
 constexpr std::uint32_t kMostBaud = 4'000'000;
 
+CommandLine::Option describe_server(CommandLine& line, Connection& given) {
+  return line.text("--server", given.server, "HOST:PORT where the bridge listens for engineers");
+}
+
+void describe_login(CommandLine& line, Connection& given) {
+  line.text("--user", given.user, "a user of the bridge with the role programmer");
+  line.text("--password-file", given.password_file,
+            "its first line is the password; readable by you alone");
+  line.flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
+  line.text("--ca", given.authorities,
+            "PEM file with who signs the bridge's certificate; default: the system's");
+  line.text("--certificate", given.certificate,
+            "PEM file with your certificate, where the bridge asks for one");
+  line.text("--key", given.key, "its private key; readable by you alone");
+}
+
 }  // namespace
 
 void describe_connection(CommandLine& line, Connection& given) {
@@ -29,8 +47,7 @@ void describe_connection(CommandLine& line, Connection& given) {
       "Ends with Ctrl-C, or when the device or the bridge disconnects.\n"
       "Exit codes: 0 stopped, 1 failure, 2 command line, 3 refused, 4 no serial port, 5 bridge "
       "unreachable or disconnected, 6 device lost.");
-  line.text("--server", given.server, "HOST:PORT where the bridge listens for engineers")
-      .required();
+  describe_server(line, given).required();
   line.text("--device", given.device, "number of the device").required();
   line.text(kLocalPortOption.name, given.port, kLocalPortOption.help).required();
   line.text("--line", given.line,
@@ -41,15 +58,7 @@ void describe_connection(CommandLine& line, Connection& given) {
               "baud rate of the PLC's line; default: as the software sets it, if the port reports "
               "that, else as the bridge's configuration has it")
       .needs("--line");
-  line.text("--user", given.user, "a user of the bridge with the role programmer");
-  line.text("--password-file", given.password_file,
-            "its first line is the password; readable by you alone");
-  line.flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
-  line.text("--ca", given.authorities,
-            "PEM file with who signs the bridge's certificate; default: the system's");
-  line.text("--certificate", given.certificate,
-            "PEM file with your certificate, where the bridge asks for one");
-  line.text("--key", given.key, "its private key; readable by you alone");
+  describe_login(line, given);
   line.flag(
       "--markers", given.markers,
       "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
@@ -62,6 +71,16 @@ void describe_connection(CommandLine& line, Connection& given) {
             "the program");
   line.text("--log", given.log, "file to which all lines are appended, with their time");
   line.flag("--json", given.json, "say everything as JSON lines");
+}
+
+CommandLine::Option describe_list(CommandLine& line, Connection& given) {
+  line.set_footer(
+      "Exit codes: 0 listed, 1 failure, 2 command line, 3 refused, 5 bridge unreachable or "
+      "disconnected.");
+  const auto server = describe_server(line, given);
+  describe_login(line, given);
+  line.flag("--json", given.json, "JSON lines");
+  return server;
 }
 
 namespace {
@@ -108,8 +127,8 @@ Usage read_certificate(const Connection& given, PortOptions& options) {
   if (given.certificate.empty() != given.key.empty())
     return tl::make_unexpected("--certificate and --key go together");
   if (given.certificate.empty()) return {};
-  if (!options.tls) return tl::make_unexpected("a certificate is shown with --tls alone");
-  options.own = {.certificate = given.certificate, .key = given.key};
+  if (!options.bridge.tls) return tl::make_unexpected("a certificate is shown with --tls alone");
+  options.bridge.own = {.certificate = given.certificate, .key = given.key};
   return check_secret_file(given.key, Readers::kOwner);
 }
 
@@ -117,7 +136,7 @@ Usage read_login(const Connection& given, PortOptions& options) {
   if (given.user.empty() != given.password_file.empty())
     return tl::make_unexpected("--user and --password-file go together");
   if (given.user.empty()) return {};
-  if (!options.tls && !on_loopback({options.host, 0}))
+  if (!options.bridge.tls && !on_loopback({options.bridge.host, 0}))
     return tl::make_unexpected("a password is not sent without --tls");
   if (given.user.size() > program::kMaxLoginText) return tl::make_unexpected("--user is too long");
   auto password = password_of(given.password_file);
@@ -127,29 +146,35 @@ Usage read_login(const Connection& given, PortOptions& options) {
   return {};
 }
 
-tl::expected<PortOptions, std::string> options_of(const Connection& given) {
+// Without the device and its port.
+tl::expected<PortOptions, std::string> bridge_of(const Connection& given) {
   const auto server = config::host_port_from(given.server);
   if (!server)
     return tl::make_unexpected(fmt::format("--server '{}' names no host and port", given.server));
+  PortOptions options;
+  options.bridge.host = server->first;
+  options.bridge.port = server->second;
+  options.bridge.tls = given.tls || !given.authorities.empty();
+  options.bridge.authorities = given.authorities;
+  return read_certificate(given, options)
+      .and_then([&] { return read_login(given, options); })
+      .map([&] { return std::move(options); });
+}
+
+tl::expected<PortOptions, std::string> options_of(const Connection& given) {
+  auto options = bridge_of(given);
+  if (!options) return options;
   if (!program::is_device_number(given.device))
     return tl::make_unexpected(fmt::format("--device '{}' is no device number: {}", given.device,
                                            program::kDeviceNumberForm));
-  PortOptions options;
-  options.host = server->first;
-  options.server_port = server->second;
-  options.tls = given.tls || !given.authorities.empty();
-  options.authorities = given.authorities;
-  options.rules.number = given.device;
-  options.rules.by_length = !given.markers;
+  options->rules.number = given.device;
+  options->rules.by_length = !given.markers;
   const auto heartbeat = read_duration(given.heartbeat, kHeartbeat);
   if (!heartbeat)
     return tl::make_unexpected("--heartbeat: " + fault_text(given.heartbeat, heartbeat.error()));
-  options.rules.heartbeat = *heartbeat;
-  options.reconnect = given.reconnect;
-  return read_line(given, options)
-      .and_then([&] { return read_certificate(given, options); })
-      .and_then([&] { return read_login(given, options); })
-      .map([&] { return std::move(options); });
+  options->rules.heartbeat = *heartbeat;
+  options->reconnect = given.reconnect;
+  return read_line(given, *options).map([&] { return *std::move(options); });
 }
 
 tl::expected<FileDescriptor, std::string> opened_log(const std::string& path) {
@@ -199,6 +224,24 @@ ExitCode run_connection(const Connection& given) {
     const ExitCode code = exit_code_of(session.end());
     return code == kStopped ? code : failed(code, session.end().text);
   } catch (const std::exception& error) { return failed(kTrouble, error.what()); }
+}
+
+ExitCode run_list(const Connection& given) {
+  const auto options = bridge_of(given);
+  if (!options) return fail(kUsage, options.error());
+  try {
+    boost::asio::io_context io{1};
+    ListSession session(io, options->bridge, {options->rules.user, options->rules.password});
+    session.start();
+    io.run();
+    if (!session.result()) {
+      const PortEnd& end = session.result().error();
+      return fail(exit_code_of(end), printable(end.text));
+    }
+    for (const std::string& line : lines_of(*session.result(), given.json))
+      std::printf("%s\n", line.c_str());
+    return kStopped;
+  } catch (const std::exception& error) { return fail(kTrouble, error.what()); }
 }
 
 }  // namespace fieldcast::port

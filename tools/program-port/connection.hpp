@@ -26,11 +26,16 @@ struct Connection {
 };
 
 void describe_connection(CommandLine& line, Connection& given);
+// The options of run_list(). Returns `--server`.
+CommandLine::Option describe_list(CommandLine& line, Connection& given);
 
 // Empty if the options are valid and their files are usable.
 [[nodiscard]] std::optional<std::string> fault_of(const Connection& given);
 
 // Connects until the session ends. Reports to standard output and to the log file.
 [[nodiscard]] ExitCode run_connection(const Connection& given);
+
+// Prints the devices that the bridge lists. Uses the options of the bridge, the login and `json`.
+[[nodiscard]] ExitCode run_list(const Connection& given);
 
 }  // namespace fieldcast::port

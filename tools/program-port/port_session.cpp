@@ -2,21 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
 
 #include "bridge/base/clock.hpp"
-#include "tools/program-port/bridge_socket.hpp"
 
 namespace fieldcast::port {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using program::PortClient;
 using program::PortEnd;
 
-constexpr std::chrono::seconds kConnectLimit{10};
 // Interval of checks of the local port's settings, in addition to checks when bytes arrive.
 constexpr std::chrono::milliseconds kCheckPeriod{100};
 constexpr unsigned kChecksOfReport = 10;  // a traffic line each second
@@ -33,8 +29,7 @@ PortSession::PortSession(asio::io_context& io, PortOptions options, std::unique_
       port_(std::move(port)),
       report_(report),
       client_(options_.rules),
-      resolver_(io),
-      socket_(io),
+      dialer_(io, options_.bridge),
       stops_(io, [this] { stop(); }),
       timer_(io),
       ticking_(io),
@@ -58,49 +53,15 @@ void PortSession::stop() {
 
 void PortSession::connect() {
   client_ = PortClient(options_.rules);
-  const unsigned attempt = ++attempt_;
-  limit_.expires_after(kConnectLimit);
-  limit_.async_wait([this, attempt](boost::system::error_code cancelled) {
-    if (!cancelled && attempt == attempt_) cannot_connect("no connection in time");
-  });
   report_.state("connecting",
-                fmt::format("connecting to {}:{}", options_.host, options_.server_port));
-  resolver_.async_resolve(
-      options_.host, std::to_string(options_.server_port),
-      [this, attempt](boost::system::error_code fault, const tcp::resolver::results_type& found) {
-        if (over_ || attempt != attempt_) return;
-        if (fault) return cannot_connect(fault.message());
-        asio::async_connect(socket_, found,
-                            [this, attempt, began = steady_now()](boost::system::error_code refused,
-                                                                  const tcp::endpoint&) {
-                              if (over_ || attempt != attempt_) return;
-                              round_trip_ = steady_now() - began;
-                              if (refused) return cannot_connect(refused.message());
-                              tune_bridge_socket(socket_);
-                              if (!options_.tls)
-                                return connected(socket_stream(std::move(socket_)));
-                              auto tls = TlsClient::make(options_.authorities, options_.own);
-                              if (!tls) return cannot_connect(tls.error());
-                              tls_ = std::move(*tls);
-                              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
-                                                [this, attempt](TlsResult stream) {
-                                                  if (over_ || attempt != attempt_) return;
-                                                  stream ? connected(std::move(*stream))
-                                                         : cannot_connect(stream.error());
-                                                });
-                            });
-      });
-}
-
-void PortSession::cannot_connect(const std::string& reason) {
-  limit_.cancel();
-  ended({PortEnd::Kind::kBridgeGone,
-         {},
-         fmt::format("{}:{}: {}", options_.host, options_.server_port, reason)});
+                fmt::format("connecting to {}:{}", options_.bridge.host, options_.bridge.port));
+  dialer_.dial([this](TlsResult stream) {
+    if (stream) return connected(std::move(*stream));
+    ended({PortEnd::Kind::kBridgeGone, {}, stream.error()});
+  });
 }
 
 void PortSession::connected(std::unique_ptr<ByteStream> stream) {
-  limit_.cancel();
   bridge_ = std::make_shared<program::RelayEnd>(std::move(stream));
   bridge_->start({[this](ByteView bytes) { tell(PortClient::FromBridge{bytes}); },
                   [this](const std::string& reason) { tell(PortClient::BridgeGone{reason}); },
@@ -139,7 +100,7 @@ void PortSession::execute(const PortClient::Paired&) {
   reconnection_.paired(steady_now());
   report_.paired(steady_now());
   report_.state("paired", fmt::format("paired; {}", kLocalPortOption.ready));
-  if (const std::string slow = program::slow_path_text(round_trip_); !slow.empty())
+  if (const std::string slow = program::slow_path_text(dialer_.round_trip()); !slow.empty())
     report_.state("slow", slow);
   settings_ = untouched_;
   paired_ = true;
@@ -219,12 +180,9 @@ void PortSession::connect_later(const program::Reconnection::Next& next) {
   const std::string when =
       next.when_program_sends ? "when the software sends" : "in " + to_text(next.pause);
   report_.state("waiting", fmt::format("{}; connects again {}", end_.text, when));
-  ++attempt_;  // pending handlers of this attempt do nothing
-  resolver_.cancel();
+  dialer_.cancel();
   timer_.cancel();
   ticking_.cancel();
-  boost::system::error_code ignored;
-  socket_.close(ignored);
   // Later, because a handler of this end may be running.
   asio::post(io_, [bridge = std::exchange(bridge_, nullptr)] {
     if (bridge) bridge->close();
@@ -243,9 +201,7 @@ void PortSession::connect_later(const program::Reconnection::Next& next) {
 void PortSession::wind_up() {
   if (std::exchange(over_, true)) return;
   report_.state("ended", end_.text);
-  resolver_.cancel();
-  boost::system::error_code ignored;
-  socket_.close(ignored);
+  dialer_.cancel();
   timer_.cancel();
   ticking_.cancel();
   limit_.cancel();

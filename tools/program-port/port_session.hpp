@@ -3,14 +3,13 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
-#include "bridge/net/tls.hpp"
 #include "bridge/program/module/relay_end.hpp"
 #include "core/program/port_client.hpp"
 #include "core/program/reconnection.hpp"
+#include "tools/program-port/bridge_dialer.hpp"
 #include "tools/program-port/local_port.hpp"
 #include "tools/program-port/port_report.hpp"
 #include "tools/program-port/stop_requests.hpp"
@@ -18,11 +17,7 @@
 namespace fieldcast::port {
 
 struct PortOptions {
-  std::string host;
-  std::uint16_t server_port = 0;
-  bool tls = false;
-  std::string authorities;  // PEM file; empty: the system's
-  TlsSpec own;              // the engineer's certificate and key, if any
+  BridgeOptions bridge;
   bool reconnect = false;
   program::PortClientRules rules;
 };
@@ -39,7 +34,6 @@ class PortSession {
   void stop();
   void connect();
   void connected(std::unique_ptr<ByteStream> stream);
-  void cannot_connect(const std::string& reason);
   void tell(const program::PortClient::Event& event);
   void execute(const program::PortClient::ToBridge& what);
   void execute(const program::PortClient::ToProgram& what);
@@ -63,18 +57,14 @@ class PortSession {
   PortReport& report_;
   program::PortClient client_;
   program::Reconnection reconnection_;
-  boost::asio::ip::tcp::resolver resolver_;
-  boost::asio::ip::tcp::socket socket_;
+  BridgeDialer dialer_;
   StopRequests stops_;
   boost::asio::steady_timer timer_, ticking_, limit_;
-  std::unique_ptr<TlsClient> tls_;
   std::shared_ptr<program::RelayEnd> bridge_, terminal_;
   const std::optional<program::LineSettings> untouched_;  // before any program has set them
   std::optional<program::LineSettings> settings_;         // as last seen
   unsigned ticks_ = 0;
   std::size_t last_bytes_ = 0;  // bytes waiting for the bridge at the end; 0: none
-  unsigned attempt_ = 0;
-  Duration round_trip_{};  // of the network, with each request of the software
   program::PortEnd end_;
   std::optional<program::PortEnd> lost_;  // reason of an end that this computer causes
   bool awaits_program_ = false;           // connects when the program sends

@@ -228,6 +228,12 @@ void ModuleServer::end_lease(const std::string& number, bool lost) {
     registry_.pass_on(number, std::move(connection));
 }
 
+std::vector<std::string> ModuleServer::kept() const {
+  std::vector<std::string> numbers;
+  for (const auto& [number, module] : kept_) numbers.push_back(number);
+  return numbers;
+}
+
 void ModuleServer::close() {
   if (std::exchange(closed_, true)) return;
   listener_.reset();

@@ -9,6 +9,7 @@
 #include <string>
 #include <tl/expected.hpp>
 #include <unordered_set>
+#include <vector>
 
 #include "bridge/log/log_lines.hpp"
 #include "bridge/net/byte_stream.hpp"
@@ -48,14 +49,17 @@ class ModuleServer {
                                      std::function<void(std::string reason)> revoked);
   void end_lease(const std::string& number, bool lost);
 
+  // Numbers of the modules without a bus.
+  [[nodiscard]] std::vector<std::string> kept() const;
+  // Returns true if a module of this number is connected, regardless of the owner of its socket.
+  [[nodiscard]] bool connected(const std::string& number) const;
+
  private:
   class Handshake;
   class Kept;
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
                   const std::string& address);
-  // Returns true if a module of this number is connected, regardless of the owner of its socket.
-  [[nodiscard]] bool connected(const std::string& number) const;
   // Returns a token that has the lifetime of the socket of a new module.
   [[nodiscard]] std::shared_ptr<void> appear(const std::string& number);
   // no effect if there is none; the module has reconnected

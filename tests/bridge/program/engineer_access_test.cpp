@@ -15,9 +15,6 @@ namespace {
 
 using testing::StartsWith;
 
-constexpr const char* kLoginOfAnna = "@@AU616e6e61:736563726574FEFF";  // anna, secret
-constexpr const char* kLoginOfBob = "@@AU626f62:736563726574FEFF";
-
 struct EngineerAccess : ServerFixture {
   EngineerAccess() {
     files.issue("bridge", "bridge");

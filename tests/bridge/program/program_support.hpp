@@ -16,6 +16,10 @@
 
 namespace fieldcast::test {
 
+// Frames of logins with the password `secret`, which is that of anna.
+inline constexpr const char* kLoginOfAnna = "@@AU616e6e61:736563726574FEFF";
+inline constexpr const char* kLoginOfBob = "@@AU626f62:736563726574FEFF";
+
 class ServerFixture : public testing::Test {
  protected:
   ServerFixture() {

@@ -249,6 +249,23 @@ class Programming(OnePlant):
         self.assertIn("COM5", listed)
         self.assertRegex(wine.port("list").stdout, r"(?m)^COM5  \\Device\\")
 
+    def test_lists_the_devices_of_the_bridge(self):
+        server = ["--server", f"127.0.0.1:{self.ports['main']}"]
+        device = {"number": "P1", "bus": "line", "device": "plc", "state": "free", "who": ""}
+
+        def listed():  # the session of an earlier test may still end
+            done = wine.port("list", *server, "--json")
+            self.assertEqual(done.returncode, STOPPED, done.stderr)
+            return [json.loads(line) for line in done.stdout.splitlines()] == [device]
+        wait_until(listed, DEADLINE, "P1 is not free")
+        with Session(*self.options()) as session:
+            session.wait_for("paired")
+            self.assertRegex(wine.port("list", *server).stdout, r"(?m)^P1  line/plc  in use\r?$")
+            session.press_ctrl_c()
+            self.assertEqual(session.code(), STOPPED, session.said())
+        done = wine.port("list", "--server", f"127.0.0.1:{free_port()}")
+        self.assertEqual(done.returncode, NO_BRIDGE, done.stdout)
+
 
 class Losses(OnePlant):
     CONFIG, NAMES = OPEN, ("main", "telnet")
@@ -342,6 +359,15 @@ class Security(OnePlant):
         done = wine.port("connect", *self.trusted(*self.login("bob", "wrong")), "--reconnect")
         self.assertEqual(done.returncode, REFUSED, done.stdout)
         self.assertIn("the login of bob is refused: a wrong password", done.stderr)
+
+    def test_lists_the_devices_to_a_programmer_alone(self):
+        trusted = ["--server", f"127.0.0.1:{self.ports['main']}", "--ca", windows_path(self.file("cert.pem"))]
+        listed = wine.port("list", *trusted, *self.login("ann", PASSWORDS["ann"]))
+        self.assertEqual(listed.returncode, STOPPED, listed.stderr)
+        self.assertRegex(listed.stdout, "^P1  line/plc  ")
+        refused = wine.port("list", *trusted)
+        self.assertEqual((refused.returncode, refused.stdout), (REFUSED, ""))
+        self.assertIn("a login of a user with the role programmer is needed", refused.stderr)
 
     def test_a_bridge_that_is_not_trusted_gets_no_password(self):
         done = wine.port("connect", *self.options("--tls", *self.login("ann", PASSWORDS["ann"])))

@@ -1,4 +1,5 @@
 // fieldcast-port.exe: connects a COM port to a PLC behind a bridge while it runs, or as a service.
+// Lists the COM ports, and the devices of a bridge.
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
@@ -89,7 +90,6 @@ int main(int argc, char** argv) {
 
   port::Connection given;
   std::string name;
-  bool json = false;
   std::function<int()> chosen;
   const auto choose = [&chosen](CommandLine& command, std::function<int()> what) {
     command.when_given([&chosen, what = std::move(what)]() -> std::optional<CommandLine::Fault> {
@@ -103,9 +103,12 @@ int main(int argc, char** argv) {
   CommandLine& connect = line.command("connect", "connects until Ctrl-C, or until a loss");
   port::describe_connection(connect, given);
   choose(connect, [&given] { return static_cast<int>(port::run_connection(given)); });
-  CommandLine& list = line.command("list", "shows the COM ports of this computer");
-  list.flag("--json", json, "JSON lines");
-  choose(list, [&json] { return list_ports(json); });
+  CommandLine& list = line.command(
+      "list", "shows the COM ports of this computer; with --server, the devices of the bridge");
+  port::describe_list(list, given);
+  choose(list, [&given] {
+    return given.server.empty() ? list_ports(given.json) : static_cast<int>(port::run_list(given));
+  });
   CommandLine& service = line.command("service", "connects while Windows runs, without a user");
   const auto of_service = [&](const char* verb, const char* help, std::function<int()> what) {
     CommandLine& command = service.command(verb, help);
