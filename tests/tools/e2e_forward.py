@@ -1,7 +1,7 @@
 """Tests fieldcast-forward with a real NATS server: a simulated plant, a bridge, the forwarder, and a
 consumer of another kind. The server and the forwarder are killed while samples arrive.
 
-usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR
+usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
 """
 
 import collections
@@ -53,13 +53,13 @@ def setUpModule():
 
 
 class Forwarder:
-    def __init__(self, folder, more, payload="format: json"):
+    def __init__(self, folder, more, payload="format: json", replicas=1):
         self.folder, self.process = folder, None
         self.file = os.path.join(folder, "forward.yaml")
         with open(self.file, "w", encoding="utf-8") as file:
             file.write(f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
                        f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
-                       f"  streams: {{ create: true }}\n{more}\n")
+                       f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
 
     def start(self):
         with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
@@ -123,21 +123,21 @@ class ForwardCase(unittest.TestCase):
         self.addCleanup(server.kill)
         return server
 
-    def forwarder(self, more, payload="format: json"):
-        forwarder = Forwarder(self.folder, more, payload)
+    def forwarder(self, more, payload="format: json", replicas=1):
+        forwarder = Forwarder(self.folder, more, payload, replicas)
         self.addCleanup(forwarder.stop)
         return forwarder
 
     def stored(self, server, stream="FIELDCAST"):
-        with nats.NatsClient(server.port) as client:
+        with nats.NatsClient(server.port, 3) as client:
             return client.stored(stream)
 
     def wait_for_messages(self, server, forwarder, count=1):
         def found():
             try:
                 return len(self.stored(server)) >= count
-            except AssertionError:
-                return False  # the stream does not exist yet
+            except (AssertionError, OSError):
+                return False  # the stream does not exist yet, or has no leader
         wait_until(found, 25, lambda: forwarder.log() + server.log())
 
 
@@ -159,9 +159,13 @@ def by_channel(messages):
 
 
 class Kills(ForwardCase):
+    def setUp(self):
+        super().setUp()
+        self.reference = Reference(self.folder)
+        self.addCleanup(self.reference.stop)
+
     def test_every_sample_arrives_once_and_in_order(self):
-        server, reference = self.server(), Reference(self.folder)
-        self.addCleanup(reference.stop)
+        server = self.server()
         forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
         forwarder.start()
         time.sleep(1)  # samples are queued before there is a server
@@ -180,37 +184,71 @@ class Kills(ForwardCase):
         server.kill()
         server.start()
         time.sleep(1.5)
-        last = {channel: max(samples) for channel, samples in reference.samples().items()}
+        self.compare(forwarder, server, (killed - UNCOMMITTED, restarted + REJOIN))
+
+    def test_of_a_cluster_each_node_may_be_killed(self):
+        nodes = nats.cluster(self.folder, 3, NATS_SERVER)
+        for node in nodes:
+            self.addCleanup(node.kill)
+            node.start()
+        forwarder = self.forwarder("  servers: [" + ", ".join(f"nats://127.0.0.1:{node.port}" for node in nodes) + "]", replicas=3)
+        forwarder.start()
+        self.wait_for_messages(nodes[0], forwarder)
+        for node in nodes:
+            node.kill()
+            time.sleep(1.5)
+            node.start()
+            # The next one is killed when this one has joined again.
+            count = len(self.stored_in_time(nodes[0], forwarder))
+            wait_until(lambda: len(self.stored_in_time(nodes[0], forwarder)) > count, 20, lambda: forwarder.log())
+        self.compare(forwarder, nodes[1], None)
+
+    def stored_in_time(self, server, forwarder):
+        """The stored messages, as soon as the stream has a leader."""
+        found = []
+
+        def has_leader():
+            try:
+                found[:] = self.stored(server)
+                return True
+            except (AssertionError, OSError):
+                return False
+        wait_until(has_leader, 20, lambda: forwarder.log() + server.log())
+        return found
+
+    def compare(self, forwarder, server, down):
+        """Ends the forwarder and compares the stream with the reference. Samples may be missing that were acquired within `down`, when the
+        forwarder did not run."""
+        last = {channel: max(samples) for channel, samples in self.reference.samples().items()}
 
         def complete():
-            found = by_channel(deduplicated(self.stored(server)))
+            found = by_channel(deduplicated(self.stored_in_time(server, forwarder)))
             return all(found[channel] and found[channel][-1][1]["sequence"] >= sequence for channel, sequence in last.items())
         wait_until(complete, 20, lambda: forwarder.log() + server.log())
-        reference.stop()
+        self.reference.stop()
         self.assertEqual(forwarder.stop(), 0, forwarder.log())
-        self.compare(reference.samples(), last, by_channel(deduplicated(self.stored(server))), killed, restarted)
-
-    def compare(self, reference, last, found, killed, restarted):
+        reference, found = self.reference.samples(), by_channel(deduplicated(self.stored(server)))
         self.assertEqual(set(found), set(last))
         for channel, pairs in found.items():
             with self.subTest(channel=channel):
-                self.assertEqual(len({epoch for epoch, _ in pairs}), 1, "the bridge was not restarted")
-                sequences = [sample["sequence"] for _, sample in pairs]
-                self.assertEqual(sequences, sorted(set(sequences)), "in order, each once")
-                samples = {sample["sequence"]: sample for _, sample in pairs}
-                missing = [one for sequence, one in reference[channel].items()
-                           if sequences[0] <= sequence <= last[channel] and sequence not in samples]
-                for sample in missing:
-                    # While the forwarder does not run, nobody queues samples for it.
-                    at = sample["acquired_at"] / 1e9
-                    self.assertTrue(killed - UNCOMMITTED < at < restarted + REJOIN, f"{sample} is missing; killed at {killed}")
-                gaps = sum(after != before + 1 for before, after in zip(sequences, sequences[1:]))
-                self.assertLessEqual(gaps, 2, "one gap, and the last value before the restart")
-                self.assertGreater(len(samples), 20)
-                for sequence, sample in samples.items():
-                    if sequence in reference[channel]:
-                        for key in ("value", "quality", "acquired_at"):
-                            self.assertEqual(sample[key], reference[channel][sequence][key])
+                self.compare_channel(reference[channel], last[channel], pairs, down)
+
+    def compare_channel(self, reference, last, pairs, down):
+        self.assertEqual(len({epoch for epoch, _ in pairs}), 1, "the bridge was not restarted")
+        sequences = [sample["sequence"] for _, sample in pairs]
+        self.assertEqual(sequences, sorted(set(sequences)), "in order, each once")
+        self.assertGreater(len(sequences), 20)
+        samples = {sample["sequence"]: sample for _, sample in pairs}
+        for sequence, expected in reference.items():
+            if sequence in samples:
+                for key in ("value", "quality", "acquired_at"):
+                    self.assertEqual(samples[sequence][key], expected[key])
+            elif sequences[0] <= sequence <= last:
+                self.assertIsNotNone(down, f"{expected} is missing")
+                self.assertTrue(down[0] < expected["acquired_at"] / 1e9 < down[1], f"{expected} is missing; not received within {down}")
+        gaps = sum(after != before + 1 for before, after in zip(sequences, sequences[1:]))
+        # One gap before and one after the last value, which a restarted forwarder receives.
+        self.assertLessEqual(gaps, 2 if down else 0)
 
 
 class Contents(ForwardCase):
@@ -341,6 +379,17 @@ class Refusals(ForwardCase):
         wait_until(lambda: "create: true" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
         self.assertEqual(forwarder.stop(), 0, forwarder.log())
 
+    def test_a_message_that_is_too_large_is_removed_and_the_rest_is_sent(self):
+        server = self.server().start()
+        with nats.NatsClient(server.port) as client:
+            client.request("$JS.API.STREAM.CREATE.FIELDCAST", {"name": "FIELDCAST", "subjects": ["fieldcast.>"], "storage": "file", "max_msg_size": 400})
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        wait_until(lambda: "exceeds max_msg_size" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
+        self.wait_for_messages(server, forwarder, 4)
+        self.assertEqual({message.subject for message in self.stored(server)}, {"fieldcast.north.line.mill"}, "press.1 has more channels")
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+
     def test_faults_of_the_configuration_have_their_place(self):
         file = os.path.join(self.folder, "bad.yaml")
         with open(file, "w", encoding="utf-8") as text:
@@ -357,4 +406,4 @@ if __name__ == "__main__":
     if not os.path.exists(NATS_SERVER):
         print("no nats-server here; tools/install.sh test brings it")
         sys.exit(77)
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)

@@ -61,6 +61,19 @@ class NatsServer:
             return "--- nats-server:\n" + "".join(file.readlines()[-20:])
 
 
+def cluster(folder, size, program=PROGRAM):
+    """Servers of one cluster, each with its own folder; not started."""
+    ports = [free_port() for _ in range(size)]
+    routes = ", ".join(f'"nats-route://127.0.0.1:{port}"' for port in ports)
+    servers = []
+    for number, port in enumerate(ports):
+        path = os.path.join(folder, f"node-{number}")
+        os.mkdir(path)
+        servers.append(NatsServer(path, f"""server_name: node-{number}
+cluster {{ name: test, listen: "127.0.0.1:{port}", routes: [{routes}] }}""", program))
+    return servers
+
+
 class Message:
     def __init__(self, subject, reply, headers, data):
         self.subject, self.reply, self.headers, self.data = subject, reply, headers, data

@@ -161,9 +161,10 @@ std::string Forwarder::status() const {
   const Sender::Counters sent = sender_.counters();
   return fmt::format(
       "{}, {} messages wait ({:.1f} kB), {} samples in {} messages acknowledged, {} "
-      "messages repeated",
+      "messages repeated, {} refused",
       sent.is_ready ? "connected" : "not connected", queue.records,
-      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.messages, sent.repeated);
+      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.messages, sent.repeated,
+      sent.refused);
 }
 
 void Forwarder::log_losses() {

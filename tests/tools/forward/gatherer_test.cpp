@@ -43,6 +43,19 @@ TEST_F(GathererTest, AFullBatchEndsImmediately) {
   EXPECT_EQ(gatherer.take(kStart, true).size(), 1u);
 }
 
+TEST_F(GathererTest, ABatchWithLongTextsEndsEarlier) {
+  Gatherer large{{.time = kSecond, .samples = 2'000}};
+  large.on_channel(channel("a"));
+  for (std::uint64_t i = 1; i <= 600; ++i) {
+    StationSample text = sample("a", i);
+    text.value = std::string(256, 'x');
+    large.on_sample(text, kStart);
+  }
+  const auto taken = large.take(kStart);
+  ASSERT_EQ(taken.size(), 2u);
+  EXPECT_EQ(taken[0].batch.samples.size(), Gatherer::kMaxTexts / 256);
+}
+
 TEST_F(GathererTest, SamplesAreSortedByChannelAndKeepTheirOrder) {
   announce({"a", "b"});
   gatherer.on_sample(sample("b", 1), kStart);

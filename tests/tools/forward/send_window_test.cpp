@@ -19,7 +19,7 @@ TEST(SendWindow, OneRecordOfASubjectIsInFlight) {
   EXPECT_EQ(window.next(), 1u);
   EXPECT_EQ(window.next(), 3u);
   EXPECT_EQ(window.next(), std::nullopt);
-  EXPECT_TRUE(window.acknowledge(1));
+  EXPECT_TRUE(window.finish(1));
   EXPECT_EQ(window.next(), 2u);
   EXPECT_EQ(window.in_flight(), 2u);
 }
@@ -44,15 +44,15 @@ TEST(SendWindow, TheNumberInFlightIsBounded) {
   EXPECT_EQ(window.next(), std::nullopt);
   window.fail(2);
   EXPECT_EQ(window.next(), 2u);
-  EXPECT_TRUE(window.acknowledge(2));
+  EXPECT_TRUE(window.finish(2));
   EXPECT_EQ(window.next(), 3u);
 }
 
-TEST(SendWindow, AnUnknownAcknowledgementHasNoEffect) {
+TEST(SendWindow, AResultOfARecordThatIsNotInFlightHasNoEffect) {
   SendWindow window(2);
   window.add(1, "a");
-  EXPECT_FALSE(window.acknowledge(1)) << "it was not sent";
-  EXPECT_FALSE(window.acknowledge(7));
+  EXPECT_FALSE(window.finish(1)) << "it was not sent";
+  EXPECT_FALSE(window.finish(7));
   window.fail(7);
   EXPECT_EQ(window.size(), 1u);
   EXPECT_EQ(window.next(), 1u);
@@ -81,7 +81,7 @@ TEST(SendWindow, WithAnyFailuresEachSubjectIsStoredInItsOrder) {
       const bool is_stored = outcome != 0;
       if (is_stored && std::ranges::find(subject, id) == subject.end()) subject.push_back(id);
       if (outcome == 2) {
-        EXPECT_TRUE(window.acknowledge(id));
+        EXPECT_TRUE(window.finish(id));
       } else {
         window.fail(id);
       }

@@ -13,7 +13,8 @@ namespace {
 struct Engine {
   std::mutex mutex;
   std::condition_variable changed;
-  bool is_ready = true, acknowledges = true;
+  bool is_ready = true;
+  Outcome outcome = Outcome::kAcknowledged;
   std::vector<std::string> sent;  // ids
   std::vector<OutletResult> results;
 
@@ -34,7 +35,7 @@ class EngineOutlet final : public Outlet {
     {
       const std::lock_guard lock(engine_.mutex);
       engine_.sent.push_back(message.id);
-      engine_.results.push_back({message.record, engine_.acknowledges});
+      engine_.results.push_back({message.record, engine_.outcome});
     }
     engine_.changed.notify_all();
     sender_.wake();
@@ -90,7 +91,7 @@ TEST_F(SenderTest, AcknowledgedRecordsLeaveTheQueueInOrder) {
 
 TEST_F(SenderTest, WithoutAnAcknowledgementARecordIsSentAgainAndStays) {
   append(0, 2);
-  engine.acknowledges = false;
+  engine.outcome = Outcome::kFailed;
   Sender sending = sender();
   sending.start(std::make_unique<EngineOutlet>(engine, sending));
   ASSERT_TRUE(engine.wait([this] { return engine.sent.size() >= 3; }));
@@ -98,27 +99,58 @@ TEST_F(SenderTest, WithoutAnAcknowledgementARecordIsSentAgainAndStays) {
   {
     const std::lock_guard lock(engine.mutex);
     EXPECT_EQ(std::set(engine.sent.begin(), engine.sent.end()).size(), 1u) << "the first one";
-    engine.acknowledges = true;
+    engine.outcome = Outcome::kAcknowledged;
   }
   EXPECT_TRUE(is_empty_in_time());
 }
 
 TEST_F(SenderTest, ARecordWithoutAcknowledgementIsSentAfterARestart) {
   append(0, 1);
-  engine.acknowledges = false;
+  engine.outcome = Outcome::kFailed;
   {
     Sender sending = sender();
     sending.start(std::make_unique<EngineOutlet>(engine, sending));
     ASSERT_TRUE(engine.wait([this] { return !engine.sent.empty(); }));
   }
   EXPECT_EQ(queue.counters().records, 1u);
-  engine.acknowledges = true;
+  engine.outcome = Outcome::kAcknowledged;
   engine.results.clear();
   Sender again = sender();
   again.start(std::make_unique<EngineOutlet>(engine, again));
   EXPECT_TRUE(is_empty_in_time());
   again.stop();
   EXPECT_EQ(std::set(engine.sent.begin(), engine.sent.end()).size(), 1u) << "the same message id";
+}
+
+TEST_F(SenderTest, ARefusedRecordIsRemovedAndTheRestGoesOn) {
+  append(0, 1);
+  engine.outcome = Outcome::kRefused;
+  Sender sending = sender();
+  sending.start(std::make_unique<EngineOutlet>(engine, sending));
+  ASSERT_TRUE(is_empty_in_time());
+  {
+    const std::lock_guard lock(engine.mutex);
+    engine.outcome = Outcome::kAcknowledged;
+  }
+  append(1, 3);
+  sending.wake();
+  ASSERT_TRUE(is_empty_in_time());
+  sending.stop();
+  EXPECT_EQ(sending.counters().refused, 1u);
+  EXPECT_EQ(sending.counters().samples, 2u);
+}
+
+TEST_F(SenderTest, ARecordThatCannotBeDecodedIsRemoved) {
+  const Record broken{.bus = "line", .device = "press", .samples = 1, .body = "x"};
+  queue.append(std::span(&broken, 1), {}, {1});
+  append(0, 1);
+  Sender sending({.in_flight = 4}, queue,
+                 MessageMaker("north", "bucket", {.format = PayloadFormat::kJson},
+                              [](std::uint64_t) { return std::nullopt; }));
+  sending.start(std::make_unique<EngineOutlet>(engine, sending));
+  EXPECT_TRUE(is_empty_in_time());
+  sending.stop();
+  EXPECT_EQ(sending.counters().refused, 2u) << "the catalogue of the second one is missing";
 }
 
 TEST_F(SenderTest, NothingIsSentBeforeTheOutletIsReady) {

@@ -81,7 +81,8 @@ void Gatherer::on_sample(const StationSample& sample, Instant now) {
                            sample.quality, sample.device_code});
   ++pending_;
   ++counters_.accepted;
-  if (batch.samples.size() >= spec_.samples) end_batch(*device);
+  if (const auto* text = std::get_if<std::string>(&sample.value)) device->texts += text->size();
+  if (batch.samples.size() >= spec_.samples || device->texts >= kMaxTexts) end_batch(*device);
 }
 
 void Gatherer::end_batch(Device& device) {
@@ -107,6 +108,7 @@ void Gatherer::end_batch(Device& device) {
   }
   gathered.batch = {batch.bus, batch.device, batch.epoch, device.catalogue,
                     std::exchange(batch.samples, {})};
+  device.texts = 0;
   ended_.push_back(std::move(gathered));
 }
 

@@ -1,8 +1,8 @@
 // Collects samples and the catalogue of all devices, and makes batches of them. Removes samples
 // that were accepted before: after a restart DDS delivers the last values again. Pure; one owner.
 //
-// A batch ends when its time has passed, when it is full, when the epoch of its bus changes, or
-// when the device loses its last channel.
+// A batch ends when its time has passed, when it has enough samples or texts, when the epoch of its
+// bus changes, or when the device loses its last channel.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,8 @@ class Gatherer {
  public:
   // Samples that were not taken yet. Further samples are refused and counted.
   static constexpr std::size_t kMaxPending = 400'000;
+  // Bytes of the text values of a batch, so that its message is smaller than 1 MiB in any form.
+  static constexpr std::size_t kMaxTexts = 64 * 1024;
   // Further channels and their samples are ignored.
   static constexpr std::size_t kMaxChannels = 200'000;
 
@@ -72,7 +74,8 @@ class Gatherer {
     bool is_published = false;    // the present catalogue
     std::uint64_t catalogue = 0;  // its identity, if is_published
     SampleBatch pending;
-    Instant began{};  // arrival of the first pending sample
+    std::size_t texts = 0;  // bytes of its text values
+    Instant began{};        // arrival of the first pending sample
   };
 
   [[nodiscard]] Device* device_of(const std::string& bus, const std::string& device);

@@ -36,6 +36,29 @@ std::string reason_of(natsConnection* connection) {
   return natsStatus_GetText(status);
 }
 
+Outcome outcome_of(const jsPubAck* done, const jsPubAckErr* error) {
+  if (done != nullptr) return Outcome::kAcknowledged;
+  const bool is_too_large = error != nullptr && error->ErrCode == JSStreamMessageExceedsMaximumErr;
+  return is_too_large ? Outcome::kRefused : Outcome::kFailed;
+}
+
+void log_refused(std::string_view subject, std::size_t bytes, std::string_view limit) {
+  log_counted(LogLevel::kError, kSubject, "messages that the server refuses",
+              fmt::format("{}: a message of {} bytes is removed: it exceeds {}; increase it",
+                          subject, bytes, limit));
+}
+
+void log_failed(std::string_view subject, const jsPubAckErr* error) {
+  const natsStatus status = error == nullptr ? NATS_ERR : error->Err;
+  const bool has_text = error != nullptr && error->ErrText != nullptr && *error->ErrText != '\0';
+  log_counted(LogLevel::kWarning, kSubject, "messages without an acknowledgement",
+              fmt::format("{}: {}; the message is sent again{}", subject,
+                          has_text ? error->ErrText : natsStatus_GetText(status),
+                          status == NATS_NO_RESPONDERS
+                              ? "; no stream has this subject: create it, or set create: true"
+                              : ""));
+}
+
 }  // namespace
 
 // Lives until the library has ended its threads: its callbacks use this object.
@@ -59,7 +82,7 @@ struct JetStreamOutlet::State {
 
   void connect(Instant now);
   void disconnect();
-  void finish(const std::string& id, bool acknowledged);
+  void finish(const std::string& id, Outcome outcome);
 
   static void on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
                         void* closure);
@@ -71,26 +94,22 @@ struct JetStreamOutlet::State {
 void JetStreamOutlet::State::on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
                                        void* closure) {
   const NatsMessage owned(message);
-  auto& self = *static_cast<State*>(closure);
-  if (done == nullptr) {
-    const std::string what = error == nullptr || error->ErrText == nullptr
-                                 ? "no acknowledgement"
-                                 : std::string(error->ErrText);
-    log_counted(LogLevel::kWarning, kSubject, "messages without an acknowledgement",
-                fmt::format("{}: {}; the message is sent again. Does a stream with this subject "
-                            "exist? It can be created by `create: true`",
-                            natsMsg_GetSubject(message), what));
-  }
+  const Outcome outcome = outcome_of(done, error);
+  const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(message));
+  if (outcome == Outcome::kFailed) log_failed(natsMsg_GetSubject(message), error);
+  if (outcome == Outcome::kRefused)
+    log_refused(natsMsg_GetSubject(message), bytes, "max_msg_size of the stream");
   const char* id = nullptr;
-  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) == NATS_OK) self.finish(id, done != nullptr);
+  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) == NATS_OK)
+    static_cast<State*>(closure)->finish(id, outcome);
 }
 
-void JetStreamOutlet::State::finish(const std::string& id, bool acknowledged) {
+void JetStreamOutlet::State::finish(const std::string& id, Outcome outcome) {
   {
     const std::lock_guard lock(mutex);
     const auto found = pending.find(id);
     if (found == pending.end()) return;
-    results.push_back({found->second, acknowledged});
+    results.push_back({found->second, outcome});
     pending.erase(found);
   }
   wake();
@@ -159,7 +178,7 @@ void JetStreamOutlet::State::disconnect() {
   connection.reset();
   has_streams = false;
   const std::lock_guard lock(mutex);
-  for (const auto& [id, record] : pending) results.push_back({record, false});
+  for (const auto& [id, record] : pending) results.push_back({record, Outcome::kFailed});
   pending.clear();
 }
 
@@ -209,6 +228,11 @@ bool JetStreamOutlet::send(const OutletMessage& message) {
   const natsStatus status = js_PublishMsgAsync(state_->context.get(), &made, &options);
   natsMsg_Destroy(made);
   if (status == NATS_OK) return true;
+  if (status == NATS_MAX_PAYLOAD) {
+    log_refused(message.subject, message.payload.size(), "max_payload of the server");
+    state_->finish(message.id, Outcome::kRefused);
+    return true;
+  }
   log_counted(LogLevel::kWarning, kSubject, "messages that could not be sent",
               fmt::format("{}: {}", message.subject, natsStatus_GetText(status)));
   const std::lock_guard lock(state_->mutex);

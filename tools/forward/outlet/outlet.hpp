@@ -17,9 +17,15 @@ struct OutletMessage {
   std::string payload;
 };
 
+enum class Outcome : std::uint8_t {
+  kAcknowledged,
+  kFailed,   // not stored, or unknown: the message must be sent again
+  kRefused,  // the engine refuses it every time, for example because it is too large
+};
+
 struct OutletResult {
   std::uint64_t record = 0;
-  bool acknowledged = false;  // false: not stored, or unknown; the message must be sent again
+  Outcome outcome = Outcome::kFailed;
 };
 
 // Used by one thread. Results of a message come once, in any order.

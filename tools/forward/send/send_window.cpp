@@ -17,7 +17,7 @@ std::optional<std::uint64_t> SendWindow::next() {
   return id;
 }
 
-bool SendWindow::acknowledge(std::uint64_t id) {
+bool SendWindow::finish(std::uint64_t id) {
   if (in_flight_.erase(id) == 0) return false;
   const auto entry = subjects_by_id_.find(id);
   const auto subject = entry->second;

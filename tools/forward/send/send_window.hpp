@@ -23,8 +23,8 @@ class SendWindow {
   void add(std::uint64_t id, const std::string& subject);
   // The first record that may be sent now; it is in flight then. Empty if there is none.
   [[nodiscard]] std::optional<std::uint64_t> next();
-  // The record is removed. Returns false if it was not in flight.
-  bool acknowledge(std::uint64_t id);
+  // Removes a record that was acknowledged or refused. Returns false if it was not in flight.
+  bool finish(std::uint64_t id);
   // The record is sent again, before later ones of its subject.
   void fail(std::uint64_t id);
 

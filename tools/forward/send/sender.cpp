@@ -94,7 +94,7 @@ void Sender::load() {
                                 record.bus, record.device));
         finished_.push_back(record.id);
         const std::lock_guard lock(mutex_);
-        ++counters_.unreadable;
+        ++counters_.refused;
         continue;
       }
       window_.add(record.id, message->subject);
@@ -107,16 +107,20 @@ void Sender::load() {
 void Sender::take_results() {
   Counters added;
   for (const OutletResult& result : outlet_->take_results()) {
-    if (!result.acknowledged) {
+    if (result.outcome == Outcome::kFailed) {
       window_.fail(result.record);
       ++added.repeated;
       continue;
     }
-    if (!window_.acknowledge(result.record)) continue;
+    if (!window_.finish(result.record)) continue;
     const auto loaded = loaded_.find(result.record);
-    ++added.messages;
-    added.samples += loaded->second.samples;
-    added.bytes += loaded->second.message.payload.size();
+    if (result.outcome == Outcome::kAcknowledged) {
+      ++added.messages;
+      added.samples += loaded->second.samples;
+      added.bytes += loaded->second.message.payload.size();
+    } else {
+      ++added.refused;
+    }
     loaded_bytes_ -= loaded->second.message.payload.size();
     loaded_.erase(loaded);
     finished_.push_back(result.record);
@@ -127,6 +131,7 @@ void Sender::take_results() {
     counters_.samples += added.samples;
     counters_.bytes += added.bytes;
     counters_.repeated += added.repeated;
+    counters_.refused += added.refused;
   }
   if (finished_.empty()) return;
   queue_.remove(finished_);

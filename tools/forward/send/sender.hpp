@@ -41,7 +41,8 @@ class Sender {
     bool is_ready = false;                               // the outlet is connected
     std::uint64_t messages = 0, samples = 0, bytes = 0;  // acknowledged; bytes of payload
     std::uint64_t repeated = 0;                          // messages that were sent again
-    std::uint64_t unreadable = 0;                        // records that could not be decoded
+    // Records that were removed: they cannot be decoded, or the engine refuses them.
+    std::uint64_t refused = 0;
   };
   [[nodiscard]] Counters counters() const;  // any thread
 
@@ -73,7 +74,7 @@ class Sender {
   std::map<std::uint64_t, Loaded> loaded_;
   std::size_t loaded_bytes_ = 0;
   std::uint64_t read_to_ = 0;            // records up to this id were loaded
-  std::vector<std::uint64_t> finished_;  // acknowledged, still in the queue
+  std::vector<std::uint64_t> finished_;  // acknowledged or refused, still in the queue
 
   mutable std::mutex mutex_;  // protects the members below
   std::condition_variable changed_;
