@@ -251,6 +251,29 @@ class Kills(ForwardCase):
         self.assertLessEqual(gaps, 2 if down else 0)
 
 
+class Bridge(ForwardCase):
+    def test_a_killed_bridge_begins_an_epoch_and_nothing_is_repeated(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        plant.kill_bridge()
+
+        def samples():
+            return by_channel(deduplicated(self.stored(server)))["mill", "level"]
+
+        def later():
+            return len({epoch for epoch, _ in samples()}) == 2 and samples()[-1][1]["sequence"] > 10
+        wait_until(later, 25, lambda: forwarder.log() + plant.log("fieldcast-bridge"))
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+        epochs = collections.defaultdict(list)
+        for epoch, sample in samples():
+            epochs[int(epoch, 16)].append(sample["sequence"])
+        self.assertEqual(list(epochs), sorted(epochs), "the epochs follow each other")
+        for sequences in epochs.values():
+            self.assertEqual(sequences, sorted(set(sequences)), "in order, each once")
+
+
 class Contents(ForwardCase):
     def test_names_catalogue_and_alarms_are_json(self):
         server = self.server().start()

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
@@ -61,7 +62,22 @@ Forwarder::Forwarder(const ForwardSpec& spec)
   }
 }
 
+// The log of SQLite needs space beside the records.
+void Forwarder::check_disk() const {
+  constexpr std::uint64_t kLog = 100'000'000;
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(spec_.queue.path, error).parent_path();
+  const auto space = std::filesystem::space(folder, error);
+  const std::uint64_t needed = spec_.queue.max_bytes + kLog - queue_.counters().bytes;
+  if (error || space.available >= needed) return;
+  log_warning("queue",
+              fmt::format("{} has {} MB free, and the queue may need {} MB; free the disk, or "
+                          "configure a smaller max-size",
+                          folder.string(), space.available / 1'000'000, needed / 1'000'000));
+}
+
 void Forwarder::start() {
+  check_disk();
   sender_.start(
       std::make_unique<JetStreamOutlet>(spec_.jetstream, "fieldcast-forward " + spec_.site,
                                         spec_.send.in_flight, [this] { sender_.wake(); }));
@@ -109,7 +125,7 @@ void Forwarder::stop() {
 
 void Forwarder::gather(BoundedQueue<int>& commands) {
   Instant cleaned = steady_now();
-  while (!commands.pause(kLook)) {
+  while (!commands.pause(records_.empty() ? kLook : kLookAfterFault)) {
     append(false);
     if (steady_now() - cleaned < kClean) continue;
     cleaned = steady_now();
@@ -120,6 +136,9 @@ void Forwarder::gather(BoundedQueue<int>& commands) {
     }
   }
   append(true);
+  if (!records_.empty())
+    log_error("queue",
+              fmt::format("{} messages could not be stored and are lost", records_.size()));
 }
 
 void Forwarder::append(bool all) {

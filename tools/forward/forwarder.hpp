@@ -39,11 +39,14 @@ class Forwarder {
  private:
   // Between two looks for batches that have ended.
   static constexpr Duration kLook = std::chrono::milliseconds{50};
+  // The same while the queue cannot be written.
+  static constexpr Duration kLookAfterFault = std::chrono::seconds{1};
   static constexpr Duration kClean = std::chrono::minutes{1};
   // Alarms that wait for the thread `gather`; further ones are dropped and counted.
   static constexpr std::size_t kMaxAlarms = 20'000;
 
   void subscribe();
+  void check_disk() const;
   void on_alarm(const StationAlarmStatus& alarm);
   void gather(BoundedQueue<int>& commands);
   // Appends what has ended; keeps it for the next call if the queue cannot be written.

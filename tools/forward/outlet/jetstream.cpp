@@ -149,10 +149,9 @@ void JetStreamOutlet::State::connect(Instant now) {
   natsConnection* made = nullptr;
   if (const natsStatus status = natsConnection_Connect(&made, raw); status != NATS_OK) {
     const char* const detail = nats_GetLastError(nullptr);
-    log_counted(
-        LogLevel::kWarning, kSubject, "failed connections",
-        fmt::format("cannot connect: {}{}; the forwarder tries again", natsStatus_GetText(status),
-                    detail == nullptr ? "" : fmt::format(" ({})", detail)));
+    log_counted(LogLevel::kWarning, kSubject, "failed connections",
+                fmt::format("cannot connect: {}; the forwarder tries again",
+                            detail == nullptr ? natsStatus_GetText(status) : detail));
     return;
   }
   connection.reset(made);

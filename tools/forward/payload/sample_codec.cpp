@@ -109,18 +109,42 @@ bool read_qualities(const v1::SampleBatch& from, SampleBatch& to) {
 }
 
 void add_channels(const SampleBatch& batch, v1::SampleBatch& out) {
-  std::uint32_t channel = 0;
+  std::uint32_t next = 0;
   bool several = false;
   for (std::size_t i = 0; i < batch.samples.size();) {
     const std::size_t first = i;
-    while (i < batch.samples.size() && batch.samples[i].channel == batch.samples[first].channel)
-      ++i;
-    out.add_channels(batch.samples[first].channel - channel);
-    channel = batch.samples[first].channel;
+    const std::uint32_t channel = batch.samples[first].channel;
+    while (i < batch.samples.size() && batch.samples[i].channel == channel) ++i;
+    const int last = out.channels_size() - 1;
+    if (last > 0 && channel == next) {
+      out.set_channels(last, out.channels(last) + 1);
+    } else {
+      out.add_channels(channel - next);
+      out.add_channels(1);
+    }
+    next = channel + 1;
     out.add_counts(static_cast<std::uint32_t>(i - first));
     several = several || i - first > 1;
   }
   if (!several) out.clear_counts();
+}
+
+// Calls on_sample(channel) for each sample. Returns false if a column is too short.
+template <class OnSample>
+bool for_each_channel(const v1::SampleBatch& from, OnSample on_sample) {
+  std::uint32_t channel = 0;
+  int at = 0;  // in counts
+  for (int pair = 0; pair + 1 < from.channels_size(); pair += 2) {
+    channel += from.channels(pair);
+    for (std::uint32_t i = 0; i < from.channels(pair + 1); ++i, ++channel) {
+      if (from.counts_size() != 0 && at >= from.counts_size()) return false;
+      const std::uint32_t samples = from.counts_size() == 0 ? 1 : from.counts(at++);
+      for (std::uint32_t j = 0; j < samples; ++j) {
+        if (!on_sample(channel)) return false;
+      }
+    }
+  }
+  return at == from.counts_size() && from.channels_size() % 2 == 0;
 }
 
 // Adds the different times, and for each sample the index of its time.
@@ -193,9 +217,7 @@ std::optional<SampleBatch> decode_samples(std::string_view text) {
   v1::SampleBatch from;
   if (!from.ParseFromArray(text.data(), static_cast<int>(text.size()))) return std::nullopt;
   const int count = from.sequences_size();
-  if (from.schema() != kSchema || from.acquired_at_size() != count ||
-      (from.counts_size() != 0 && from.counts_size() != from.channels_size()))
-    return std::nullopt;
+  if (from.schema() != kSchema || from.acquired_at_size() != count) return std::nullopt;
   SampleBatch to;
   to.epoch = from.epoch();
   to.catalogue = from.catalogue();
@@ -204,24 +226,21 @@ std::optional<SampleBatch> decode_samples(std::string_view text) {
   const std::vector<UtcTime> instants = read_instants(from);
   std::uint64_t sequence = 0;
   std::int64_t instant = 0;
-  std::uint32_t channel = 0;
-  for (int group = 0; group < from.channels_size(); ++group) {
-    channel += from.channels(group);
-    const std::uint32_t samples = from.counts_size() == 0 ? 1 : from.counts(group);
-    for (std::uint32_t i = 0; i < samples; ++i) {
-      const auto at = static_cast<int>(to.samples.size());
-      if (at >= count) return std::nullopt;
-      sequence += static_cast<std::uint64_t>(from.sequences(at));
-      instant += from.acquired_at(at);
-      std::optional<Value> value = values.next();
-      if (!value || instant < 0 || instant >= static_cast<std::int64_t>(instants.size()))
-        return std::nullopt;
-      to.samples.push_back({.channel = channel,
-                            .sequence = sequence,
-                            .acquired_at = instants[static_cast<std::size_t>(instant)],
-                            .value = *std::move(value)});
-    }
-  }
+  const bool is_whole = for_each_channel(from, [&](std::uint32_t channel) {
+    const auto at = static_cast<int>(to.samples.size());
+    if (at >= count) return false;
+    sequence += static_cast<std::uint64_t>(from.sequences(at));
+    instant += from.acquired_at(at);
+    std::optional<Value> value = values.next();
+    if (!value || instant < 0 || instant >= static_cast<std::int64_t>(instants.size()))
+      return false;
+    to.samples.push_back({.channel = channel,
+                          .sequence = sequence,
+                          .acquired_at = instants[static_cast<std::size_t>(instant)],
+                          .value = *std::move(value)});
+    return true;
+  });
+  if (!is_whole) return std::nullopt;
   if (static_cast<int>(to.samples.size()) != count || !read_qualities(from, to))
     return std::nullopt;
   return to;

@@ -8,7 +8,9 @@ namespace fieldcast::forward {
 
 namespace {
 
+// Pages of the write-ahead log, 4 KiB each, after which they are written to the file itself.
 constexpr const char* kTables = R"(
+pragma wal_autocheckpoint = 1000;
 create table if not exists records(
   id integer primary key autoincrement, kind integer not null, bus text not null,
   device text not null, epoch integer not null, identity integer not null,
@@ -83,9 +85,27 @@ void Queue::count() {
                      });
 }
 
+// If the disk is full, the write-ahead log is emptied, which may make the next attempt possible.
+template <class Work>
+void Queue::write(Work work) {
+  const std::lock_guard lock(mutex_);
+  try {
+    work();
+  } catch (const StoreAway&) {
+    try {
+      connection_->script("pragma wal_checkpoint(truncate)");
+    } catch (const StoreError&) {}  // the first fault is reported
+    throw;
+  }
+}
+
 void Queue::append(std::span<const Record> records, std::span<const NamedPosition> positions,
                    UtcTime now) {
-  const std::lock_guard lock(mutex_);
+  write([&] { append_all(records, positions, now); });
+}
+
+void Queue::append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
+                       UtcTime now) {
   Counters counters = counters_;
   SqlTransaction transaction(*connection_);
   for (const Record& record : records) {
@@ -173,7 +193,10 @@ std::vector<Record> Queue::read(std::uint64_t after, std::size_t most_records,
 }
 
 void Queue::remove(std::span<const std::uint64_t> ids) {
-  const std::lock_guard lock(mutex_);
+  write([&] { remove_all(ids); });
+}
+
+void Queue::remove_all(std::span<const std::uint64_t> ids) {
   Counters counters = counters_;
   SqlTransaction transaction(*connection_);
   for (const std::uint64_t id : ids) {

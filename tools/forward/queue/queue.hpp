@@ -80,6 +80,12 @@ class Queue {
 
   static constexpr std::uint64_t kMargin = 50;  // part of max_bytes
 
+  template <class Work>
+  void write(Work work);
+  // REQUIRES for all below: mutex_ is held.
+  void append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
+                  UtcTime now);
+  void remove_all(std::span<const std::uint64_t> ids);
   void make_space(Counters& counters);
   // Return false if no record is left to thin or to drop.
   [[nodiscard]] bool thin_oldest(Counters& counters);
