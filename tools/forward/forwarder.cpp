@@ -107,13 +107,15 @@ void Forwarder::subscribe() {
 void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
   const Position position{0, identity_of(alarm)};
   const std::lock_guard lock(mutex_);
-  Position& last = alarm_positions_[to_text(alarm.alarm)];
-  if (last == position) return;
-  if (alarms_.size() >= kMaxAlarms) {
+  const std::string name = to_text(alarm.alarm);
+  const auto known = alarm_positions_.find(name);
+  const bool is_known = known != alarm_positions_.end();
+  if (is_known && known->second == position) return;
+  if (alarms_.size() >= kMaxAlarms || (!is_known && alarm_positions_.size() >= kMaxKnownAlarms)) {
     ++lost_alarms_;
     return;
   }
-  last = position;
+  alarm_positions_[name] = position;
   alarms_.push_back(alarm);
 }
 

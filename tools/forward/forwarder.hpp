@@ -42,8 +42,9 @@ class Forwarder {
   // The same while the queue cannot be written.
   static constexpr Duration kLookAfterFault = std::chrono::seconds{1};
   static constexpr Duration kClean = std::chrono::minutes{1};
-  // Alarms that wait for the thread `gather`; further ones are dropped and counted.
-  static constexpr std::size_t kMaxAlarms = 20'000;
+  // Alarms that wait for the thread `gather`, and known alarms. Further ones are dropped and
+  // counted.
+  static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
 
   void subscribe();
   void check_disk() const;

@@ -179,6 +179,18 @@ TEST_F(QueueTest, WithoutALimitOfAgeNothingIsTooOld) {
   EXPECT_EQ(ids(queue).size(), 1u);
 }
 
+TEST_F(QueueTest, ASecondForwarderCannotUseTheFile) {
+  Queue queue = open();
+  try {
+    open();
+    FAIL();
+  } catch (const StoreError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("only one fieldcast-forward"));
+  }
+  append(queue, record_of(seconds(0, 1)));
+  EXPECT_EQ(ids(queue).size(), 1u);
+}
+
 TEST_F(QueueTest, AFileThatIsNotAQueueIsRefusedWithItsName) {
   std::filesystem::create_directory(path);
   try {

@@ -8,8 +8,10 @@ namespace fieldcast::forward {
 
 namespace {
 
-// Pages of the write-ahead log, 4 KiB each, after which they are written to the file itself.
+// The lock of the file is held until it is closed. The write-ahead log is written to the file
+// itself after 1000 pages of 4 KiB.
 constexpr const char* kTables = R"(
+pragma locking_mode = exclusive;
 pragma wal_autocheckpoint = 1000;
 create table if not exists records(
   id integer primary key autoincrement, kind integer not null, bus text not null,
@@ -59,6 +61,18 @@ Record record_of(const SqlRow& row) {
           .body = text_at(row, 7)};
 }
 
+std::unique_ptr<SqlConnection> open_queue(const std::string& path) {
+  try {
+    auto connection = open_sqlite(path, IfMissing::kCreate);
+    connection->script(kTables);
+    SqlTransaction(*connection).commit();  // the first transaction takes the lock
+    return connection;
+  } catch (const StoreError& error) {
+    throw StoreError(std::string(error.what()) +
+                     "; only one fieldcast-forward may use this file, on a disk with free space");
+  }
+}
+
 std::vector<SqlRow> rows_of(SqlConnection& connection, const char* sql, const SqlRow& parameters) {
   std::vector<SqlRow> rows;
   connection.query(sql, parameters, [&rows](const SqlRow& row) {
@@ -70,11 +84,7 @@ std::vector<SqlRow> rows_of(SqlConnection& connection, const char* sql, const Sq
 
 }  // namespace
 
-Queue::Queue(const QueueSpec& spec)
-    : spec_(spec), connection_(open_sqlite(spec.path, IfMissing::kCreate)) {
-  connection_->script(kTables);
-  count();
-}
+Queue::Queue(const QueueSpec& spec) : spec_(spec), connection_(open_queue(spec.path)) { count(); }
 
 void Queue::count() {
   connection_->query("select count(*), coalesce(sum(bytes), 0) from records", {},

@@ -47,7 +47,8 @@ struct QueueSpec {
 
 class Queue {
  public:
-  // Opens or creates the file, which only its owner can read.
+  // Opens or creates the file, which only its owner can read. Fails after 5 s if a second process
+  // uses it.
   explicit Queue(const QueueSpec& spec);
 
   // Appends the records (their `id` is ignored) and keeps the positions, in one transaction, and
