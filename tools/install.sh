@@ -6,8 +6,8 @@
 #
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
 # tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
-# tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with sudo. ci does not install packages that would
-# start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
+# tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with sudo. Packages that would start a server are
+# not installed for tests, except PostgreSQL: test and ci unpack the programs they need from them to build/unpacked/PACKAGE.
 # cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
 # libraries of ARCH replace those of this machine.
 set -euo pipefail
@@ -27,12 +27,14 @@ tools=(
   g++ cmake ninja-build ccache mold pkg-config
   # the code generator of DDS, whose package does not depend on the Java that it needs
   fastddsgen default-jre-headless
+  protobuf-compiler
 )
 # Packages with files for one architecture, and packages for all.
 libraries=(
   "$(named dds)" libfastcdr-dev
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev
+  libnats-dev libprotobuf-dev libzstd-dev
   libncurses-dev
 )
 headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
@@ -99,16 +101,16 @@ installed() {
 }
 missing=()
 for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
-# PACKAGE PROGRAM PATH: unpacks PATH of the package if the program is not installed.
+# SETS PACKAGE PROGRAM PATH: unpacks PATH of the package if the program is not installed.
 unpacked=()
-if [ "${1:-test}" = ci ]; then
-  while read -r package program path; do
-    command -v "$program" >/dev/null || [ -d "build/unpacked/$package" ] || unpacked+=("$package $path")
-  done <<'TABLE'
-prometheus promtool ./usr/bin/promtool
-udev udevadm .
+while read -r sets package program path; do
+  [[ "${1:-test}" =~ ^($sets)$ ]] || continue
+  PATH=$PATH:/usr/sbin command -v "$program" >/dev/null || [ -d "build/unpacked/$package" ] || unpacked+=("$package $path")
+done <<'TABLE'
+test|campaign|ci nats-server nats-server ./usr/sbin/nats-server
+ci prometheus promtool ./usr/bin/promtool
+ci udev udevadm .
 TABLE
-fi
 # Checks the command instead of the package, because Debian's npm conflicts with a node from another source.
 [[ "${1:-test}" =~ ^(image|windows)$ ]] || command -v npm >/dev/null || missing+=(nodejs npm)
 [ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0

@@ -61,7 +61,7 @@ void BusTable::on_catalogue_gone(std::uint64_t epoch, std::uint32_t first,
   for (std::size_t i = first; i < end; ++i) forget(rows_[i], handlers);
   // The epoch ends with its last entry: the next one may be from a clock that is behind.
   if (has_catalogue()) return;
-  rows_ = std::vector<Row>();  // its memory, too: 176 bytes for each channel
+  rows_ = std::vector<Row>();  // its memory, too: 184 bytes for each channel
   behind_ = 0;
   epoch_ = 0;
 }
@@ -95,6 +95,7 @@ void BusTable::on_samples(const idl::SampleBlock& block, const Handlers& handler
     if (block.sequences()[i] < to->sample.sequence) came_below(*to);
     if (block.sequences()[i] <= to->sample.sequence) continue;
     caught_up(*to);
+    to->sample.epoch = block.epoch();
     if (read_row(block, i, to->sample) && to->entry && handlers.sample) handlers.sample(to->sample);
   }
 }

@@ -28,7 +28,7 @@ from sandbox import Sandbox  # noqa: E402
 from steady import steadily  # noqa: E402
 from tables import CHECKS  # noqa: E402
 
-PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port", "fieldcast-station"]
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port", "fieldcast-station", "fieldcast-forward"]
 MATCH_SECONDS = 10  # limit until a program prints what the document shows, or ends as expected
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
 NOWHERE = ("with hardware", "with a compiler", "with a login", "with a container engine", "from a repository")

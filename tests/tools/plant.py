@@ -207,6 +207,13 @@ class Plant:
         return subprocess.Popen([os.path.join(self.bin_dir, "fieldcast"), command, *arguments, "--config", self.file],
                                 stdout=subprocess.PIPE, text=True, **options)
 
+    def kill_bridge(self):
+        """Kills the bridge and starts it again."""
+        self.bridge.kill()
+        self.bridge.wait()
+        self.bridge = self._start("fieldcast-bridge")
+        wait_until(lambda: self._status() or self._ended(self.bridge), START_SECONDS, lambda: "no bus runs\n" + self.log("fieldcast-bridge"))
+
     def _lines(self):
         words = self.config.replace("{run}", self.run).replace(",", " ").replace("}", " ").split()
         return [words[i + 1] for i, word in enumerate(words) if word == "serial:"]

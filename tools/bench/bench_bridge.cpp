@@ -1,9 +1,13 @@
 // The DDS part of a bridge in its own process, without wires: publishes every channel once a second
 // in blocks of 50.
 //
-// usage: bench_bridge DOMAIN BUSES CHANNELS
+// usage: bench_bridge DOMAIN BUSES CHANNELS [real]
+//
+// The values are the number of the round; with `real`, they are 32-bit numbers that change a little
+// in each round, like measured ones.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -34,7 +38,14 @@ BusSpec bus_of(const std::string& name, std::size_t channels) {
   return bus;
 }
 
-void run(unsigned domain, int buses, std::size_t channels) {
+// A slow wave with noise, with the digits of a 32-bit number.
+double measured(std::size_t channel, std::uint64_t round) {
+  const auto phase = static_cast<double>(round) / 60 + static_cast<double>(channel);
+  const std::uint64_t noise = (round * 0x9E3779B97F4A7C15 + channel) * 0xBF58476D1CE4E5B9 >> 40;
+  return static_cast<float>(50 + 20 * std::sin(phase) + static_cast<double>(noise) * 1e-8);
+}
+
+void run(unsigned domain, int buses, std::size_t channels, bool real) {
   DdsSpec dds;
   dds.domain = domain;
   DdsLink link(dds, "bench",
@@ -60,7 +71,7 @@ void run(unsigned domain, int buses, std::size_t channels) {
         for (std::size_t i = first; i < std::min(channels, first + kBlock); ++i) {
           Sample& sample = samples.emplace_back();
           sample.channel = static_cast<ChannelIndex>(i);
-          sample.value = round;
+          sample.value = real ? Value{measured(i, round)} : Value{round};
           sample.quality = Quality::kGood;
           sample.acquired = now.instant;
           sample.sequence = round;
@@ -85,6 +96,6 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { stopped = true; });
   return run_bench("bench_bridge", [&] {
     run(arguments.number_at(0, 0u), arguments.number_at(1, 0),
-        arguments.number_at(2, std::size_t{}));
+        arguments.number_at(2, std::size_t{}), arguments.has("real"));
   });
 }

@@ -26,6 +26,7 @@ struct StationSample {
   std::uint16_t device_code = 0;
   UtcTime acquired_at;
   std::uint64_t sequence = 0;
+  std::uint64_t epoch = 0;  // of the bus's catalogue; 0 for a sample of fieldcast/Sample
 };
 
 struct StationChannel {

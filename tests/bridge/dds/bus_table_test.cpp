@@ -97,6 +97,14 @@ TEST_F(BusTableTest, SamplesHaveTheNamesOfTheCatalogue) {
   EXPECT_THAT(said(), ElementsAre("+c0", "+c1", "c1#1", "c0#1"));
 }
 
+TEST_F(BusTableTest, SamplesHaveTheEpochOfTheirBlock) {
+  std::uint64_t epoch = 0;
+  handlers.sample = [&epoch](const StationSample& sample) { epoch = sample.epoch; };
+  on(bus.catalogue(1));
+  on(bus.samples({0}, 1));
+  EXPECT_EQ(epoch, 100u);
+}
+
 TEST_F(BusTableTest, ValuesWaitForTheirNames) {
   on(bus.snapshot({0, 64}, 3));
   on(bus.samples({64}, 4));

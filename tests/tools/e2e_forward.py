@@ -1,0 +1,432 @@
+"""Tests fieldcast-forward with a real NATS server: a simulated plant, a bridge, the forwarder, and a
+consumer of another kind. The server and the forwarder are killed while samples arrive.
+
+usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
+"""
+
+import collections
+import contextlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import nats
+from plant import Plant, wait_until
+
+BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
+GATHER = 0.2  # seconds
+UNCOMMITTED = 1.5  # seconds before a kill in which a sample may be gathered, but not queued
+REJOIN = 8  # seconds until a restarted forwarder receives samples again
+
+CONFIG = """
+bridge: e2e
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 200ms }
+    devices:
+      - name: press.1
+        address: 1
+        channels:
+          - { name: temperature, at: "holding:100", type: float32, unit: °C }
+          - { name: setpoint, at: "holding:200", type: int16, access: read-write, limits: { high: 100 } }
+          - { name: running, at: "coil:3", type: bool }
+      - name: mill
+        address: 2
+        channels:
+          - { name: level, at: "input-register:3", type: uint16 }
+"""
+
+plant = None
+
+
+def setUpModule():
+    global plant
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
+
+
+class Forwarder:
+    def __init__(self, folder, more, payload="format: json", replicas=1):
+        self.folder, self.process = folder, None
+        self.file = os.path.join(folder, "forward.yaml")
+        with open(self.file, "w", encoding="utf-8") as file:
+            file.write(f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
+                       f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
+                       f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
+
+    def start(self):
+        with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
+            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", self.file],
+                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self):
+        """Ends it in order; returns its exit code."""
+        if self.process is not None and self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            try:
+                return self.process.wait(15)
+            except subprocess.TimeoutExpired:
+                self.kill()
+        return None if self.process is None else self.process.returncode
+
+    def log(self):
+        with open(os.path.join(self.folder, "forward.log"), encoding="utf-8") as file:
+            return file.read()
+
+
+class Reference:
+    """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
+
+    def __init__(self, folder):
+        self.path = os.path.join(folder, "watch.jsonl")
+        with open(self.path, "w", encoding="utf-8") as file:
+            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--config", plant.file],
+                                            stdout=file, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        wait_until(lambda: os.path.getsize(self.path) > 0, 20, "fieldcast watch shows nothing")
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        self.process.wait(15)
+
+    def samples(self):
+        """{(device, channel): {sequence: sample}}"""
+        found = collections.defaultdict(dict)
+        with open(self.path, encoding="utf-8") as file:
+            for line in file.read().splitlines():
+                with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
+                    sample = json.loads(line)
+                    if "sequence" in sample:
+                        found[sample["device"], sample["channel"]][sample["sequence"]] = sample
+        return found
+
+
+class ForwardCase(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="fieldcast-forward-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def server(self, more=""):
+        server = nats.NatsServer(self.folder, more, NATS_SERVER)
+        self.addCleanup(server.kill)
+        return server
+
+    def forwarder(self, more, payload="format: json", replicas=1):
+        forwarder = Forwarder(self.folder, more, payload, replicas)
+        self.addCleanup(forwarder.stop)
+        return forwarder
+
+    def stored(self, server, stream="FIELDCAST"):
+        with nats.NatsClient(server.port, 3) as client:
+            return client.stored(stream)
+
+    def wait_for_messages(self, server, forwarder, count=1):
+        def found():
+            try:
+                return len(self.stored(server)) >= count
+            except (AssertionError, OSError):
+                return False  # the stream does not exist yet, or has no leader
+        wait_until(found, 25, lambda: forwarder.log() + server.log())
+
+
+def deduplicated(messages):
+    """The decoded messages, the first of each id."""
+    seen = {}
+    for message in messages:
+        seen.setdefault(message.headers["Nats-Msg-Id"], json.loads(message.data))
+    return list(seen.values())
+
+
+def by_channel(messages):
+    """{(device, channel): [(epoch, sample)]} in the order of the stream."""
+    found = collections.defaultdict(list)
+    for message in messages:
+        for sample in message["samples"]:
+            found[message["device"], sample["channel"]].append((message["epoch"], sample))
+    return found
+
+
+class Kills(ForwardCase):
+    def setUp(self):
+        super().setUp()
+        self.reference = Reference(self.folder)
+        self.addCleanup(self.reference.stop)
+
+    def test_every_sample_arrives_once_and_in_order(self):
+        server = self.server()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        time.sleep(1)  # samples are queued before there is a server
+        server.start()
+        self.wait_for_messages(server, forwarder)
+        time.sleep(1)
+        server.kill()
+        time.sleep(1)
+        server.start()
+        time.sleep(1.5)
+        killed = time.time()
+        forwarder.kill()
+        forwarder.start()
+        restarted = time.time()
+        time.sleep(2)
+        server.kill()
+        server.start()
+        time.sleep(1.5)
+        self.compare(forwarder, server, (killed - UNCOMMITTED, restarted + REJOIN))
+
+    def test_of_a_cluster_each_node_may_be_killed(self):
+        nodes = nats.cluster(self.folder, 3, NATS_SERVER)
+        for node in nodes:
+            self.addCleanup(node.kill)
+            node.start()
+        forwarder = self.forwarder("  servers: [" + ", ".join(f"nats://127.0.0.1:{node.port}" for node in nodes) + "]", replicas=3)
+        forwarder.start()
+        self.wait_for_messages(nodes[0], forwarder)
+        for node in nodes:
+            node.kill()
+            time.sleep(1.5)
+            node.start()
+            # The next one is killed when this one has joined again.
+            count = len(self.stored_in_time(nodes[0], forwarder))
+            wait_until(lambda: len(self.stored_in_time(nodes[0], forwarder)) > count, 20, lambda: forwarder.log())
+        self.compare(forwarder, nodes[1], None)
+
+    def stored_in_time(self, server, forwarder):
+        """The stored messages, as soon as the stream has a leader."""
+        found = []
+
+        def has_leader():
+            try:
+                found[:] = self.stored(server)
+                return True
+            except (AssertionError, OSError):
+                return False
+        wait_until(has_leader, 20, lambda: forwarder.log() + server.log())
+        return found
+
+    def compare(self, forwarder, server, down):
+        """Ends the forwarder and compares the stream with the reference. Samples may be missing that were acquired within `down`, when the
+        forwarder did not run."""
+        last = {channel: max(samples) for channel, samples in self.reference.samples().items()}
+
+        def complete():
+            found = by_channel(deduplicated(self.stored_in_time(server, forwarder)))
+            return all(found[channel] and found[channel][-1][1]["sequence"] >= sequence for channel, sequence in last.items())
+        wait_until(complete, 20, lambda: forwarder.log() + server.log())
+        self.reference.stop()
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+        reference, found = self.reference.samples(), by_channel(deduplicated(self.stored(server)))
+        self.assertEqual(set(found), set(last))
+        for channel, pairs in found.items():
+            with self.subTest(channel=channel):
+                self.compare_channel(reference[channel], last[channel], pairs, down)
+
+    def compare_channel(self, reference, last, pairs, down):
+        self.assertEqual(len({epoch for epoch, _ in pairs}), 1, "the bridge was not restarted")
+        sequences = [sample["sequence"] for _, sample in pairs]
+        self.assertEqual(sequences, sorted(set(sequences)), "in order, each once")
+        self.assertGreater(len(sequences), 20)
+        samples = {sample["sequence"]: sample for _, sample in pairs}
+        for sequence, expected in reference.items():
+            if sequence in samples:
+                for key in ("value", "quality", "acquired_at"):
+                    self.assertEqual(samples[sequence][key], expected[key])
+            elif sequences[0] <= sequence <= last:
+                self.assertIsNotNone(down, f"{expected} is missing")
+                self.assertTrue(down[0] < expected["acquired_at"] / 1e9 < down[1], f"{expected} is missing; not received within {down}")
+        gaps = sum(after != before + 1 for before, after in zip(sequences, sequences[1:]))
+        # One gap before and one after the last value, which a restarted forwarder receives.
+        self.assertLessEqual(gaps, 2 if down else 0)
+
+
+class Bridge(ForwardCase):
+    def test_a_killed_bridge_begins_an_epoch_and_nothing_is_repeated(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        plant.kill_bridge()
+
+        def samples():
+            return by_channel(deduplicated(self.stored(server)))["mill", "level"]
+
+        def later():
+            return len({epoch for epoch, _ in samples()}) == 2 and samples()[-1][1]["sequence"] > 10
+        wait_until(later, 25, lambda: forwarder.log() + plant.log("fieldcast-bridge"))
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+        epochs = collections.defaultdict(list)
+        for epoch, sample in samples():
+            epochs[int(epoch, 16)].append(sample["sequence"])
+        self.assertEqual(list(epochs), sorted(epochs), "the epochs follow each other")
+        for sequences in epochs.values():
+            self.assertEqual(sequences, sorted(set(sequences)), "in order, each once")
+
+
+class Contents(ForwardCase):
+    def test_names_catalogue_and_alarms_are_json(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        messages = self.stored(server)
+        self.assertEqual({message.subject for message in messages}, {"fieldcast.north.line.press=2E1", "fieldcast.north.line.mill"})
+        press = next(json.loads(message.data) for message in messages if message.subject.endswith("1"))
+        self.assertEqual((press["schema"], press["site"], press["bus"], press["device"]), (1, "north", "line", "press.1"))
+        with nats.NatsClient(server.port) as client:
+            entry = json.loads(client.last("KV_fieldcast-catalogue", "$KV.fieldcast-catalogue.north.line.press=2E1." + press["catalogue"]))
+        self.assertEqual({channel["channel"]: channel["unit"] for channel in entry["channels"]},
+                         {"temperature": "°C", "setpoint": "", "running": ""})
+
+        def alarms():
+            found = [json.loads(message.data) for message in self.stored(server, "FIELDCAST_ALARMS")]
+            return [(alarm["device"], alarm["channel"], alarm["limit"], alarm["active"]) for alarm in found]
+        self.assertEqual(plant.cli("write", "line/press.1/setpoint=101").code, 0)
+        wait_until(lambda: ("press.1", "setpoint", "high", True) in alarms(), 20, lambda: str(alarms()))
+        self.assertEqual(plant.cli("write", "line/press.1/setpoint=1").code, 0)
+        wait_until(lambda: alarms()[-1:] == [("press.1", "setpoint", "high", False)], 20, lambda: str(alarms()))
+        before = len(alarms())
+        self.assertEqual(forwarder.stop(), 0)
+        forwarder.start()
+        count = len(self.stored(server))
+        self.wait_for_messages(server, forwarder, count + 4)
+        self.assertEqual(len(alarms()), before, "a restarted forwarder does not repeat alarms")
+        self.assertEqual(forwarder.stop(), 0)
+
+    def test_protobuf_is_that_of_the_schema(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]", "format: protobuf")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        self.assertEqual(forwarder.stop(), 0)
+        folder = os.path.join(SOURCE_DIR, "tools", "forward", "payload")
+        for message in self.stored(server):
+            text = subprocess.run(["protoc", f"--proto_path={folder}", "--decode=fieldcast.forward.v1.SampleBatch", "forward.proto"],
+                                  input=message.data, capture_output=True, check=True).stdout.decode()
+            self.assertIn("schema: 1\n", text)
+            self.assertFalse(re.search(r"^\d+:", text, re.MULTILINE), "a field that the schema does not name")
+            columns = collections.Counter(re.findall(r"^(\w+):", text, re.MULTILINE))
+            values = sum(columns[name] for name in ("booleans", "integers", "naturals", "reals", "singles", "texts"))
+            self.assertEqual(values, columns["sequences"])
+            self.assertEqual(columns["acquired_at"], columns["sequences"])
+
+
+class Security(ForwardCase):
+    def certificates(self):
+        """A certificate authority, certificates of the server and a client, and one of a server with another name."""
+        def openssl(*arguments):
+            subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)
+        for name in ("ca", "foreign"):
+            openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.pem")
+        names = {"server": "IP:127.0.0.1", "client": "DNS:client", "other": "DNS:other.example"}
+        for name, subject in names.items():
+            openssl("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
+            with open(os.path.join(self.folder, "names"), "w", encoding="utf-8") as file:
+                file.write(f"subjectAltName={subject}\n")
+            openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2",
+                    "-extfile", "names", "-out", f"{name}.pem")
+        for name in ("client.key", "password"):
+            with open(os.path.join(self.folder, name), "a", encoding="utf-8") as file:
+                file.write("" if name.endswith("key") else "correct horse\n")
+            os.chmod(os.path.join(self.folder, name), 0o600)
+
+    def messages_of_server(self):
+        folder = os.path.join(self.folder, "jetstream")
+        return sum(os.path.getsize(os.path.join(path, name)) for path, _, names in os.walk(folder) if "FIELDCAST/msgs" in path for name in names)
+
+    def tls_server(self, name):
+        return self.server(f"""
+tls {{ cert_file: "{self.folder}/{name}.pem", key_file: "{self.folder}/{name}.key", ca_file: "{self.folder}/ca.pem", verify: true }}
+authorization {{ user: north, password: "correct horse" }}""").start()
+
+    def test_a_server_with_the_certificate_of_another_name_is_refused(self):
+        self.certificates()
+        server = self.tls_server("other")
+        forwarder = self.forwarder(f"  servers: [tls://127.0.0.1:{server.port}]\n  authority: ca.pem\n  certificate: client.pem\n  key: client.key")
+        forwarder.start()
+        wait_until(lambda: "cannot connect" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+        self.assertNotIn("connected to", forwarder.log())
+
+    def test_tls_with_a_client_certificate_and_a_password(self):
+        self.certificates()
+        server = self.tls_server("server")
+        address = f"  servers: [tls://127.0.0.1:{server.port}]\n  certificate: client.pem\n  key: client.key\n"
+        wrong = self.forwarder(address + "  authority: foreign.pem\n  user: north\n  password-file: password")
+        wrong.start()
+        wait_until(lambda: "cannot connect" in wrong.log(), 20, lambda: wrong.log() + server.log())
+        self.assertEqual(wrong.stop(), 0, wrong.log())
+        self.assertNotIn("connected to", wrong.log())
+        right = self.forwarder(address + "  authority: ca.pem\n  user: north\n  password-file: password")
+        right.start()
+        wait_until(lambda: self.messages_of_server() > 1000, 25, lambda: right.log() + server.log())
+        self.assertEqual(right.stop(), 0, right.log())
+        self.assertNotIn("horse", right.log())
+
+    def test_a_wrong_password_is_reported_and_tried_again(self):
+        with open(os.path.join(self.folder, "password"), "w", encoding="utf-8") as file:
+            file.write("wrong secret\n")
+        os.chmod(os.path.join(self.folder, "password"), 0o600)
+        server = self.server('authorization { user: north, password: "correct horse" }').start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\n  user: north\n  password-file: password")
+        forwarder.start()
+        wait_until(lambda: "uthorization" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
+        with open(os.path.join(self.folder, "password"), "w", encoding="utf-8") as file:
+            file.write("correct horse\n")
+        wait_until(lambda: self.messages_of_server() > 1000, 25, lambda: forwarder.log() + server.log())
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+        self.assertNotIn("secret", forwarder.log())
+        self.assertNotIn("horse", forwarder.log())
+
+
+class Refusals(ForwardCase):
+    def test_a_missing_stream_is_reported_with_what_to_do(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        with open(forwarder.file, encoding="utf-8") as file:
+            text = file.read()
+        with open(forwarder.file, "w", encoding="utf-8") as file:
+            file.write(text.replace("create: true", "create: false"))
+        forwarder.start()
+        wait_until(lambda: "create: true" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+
+    def test_a_message_that_is_too_large_is_removed_and_the_rest_is_sent(self):
+        server = self.server().start()
+        with nats.NatsClient(server.port) as client:
+            client.request("$JS.API.STREAM.CREATE.FIELDCAST", {"name": "FIELDCAST", "subjects": ["fieldcast.>"], "storage": "file", "max_msg_size": 400})
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder.start()
+        wait_until(lambda: "exceeds max_msg_size" in forwarder.log(), 20, lambda: forwarder.log() + server.log())
+        self.wait_for_messages(server, forwarder, 4)
+        self.assertEqual({message.subject for message in self.stored(server)}, {"fieldcast.north.line.mill"}, "press.1 has more channels")
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+
+    def test_faults_of_the_configuration_have_their_place(self):
+        file = os.path.join(self.folder, "bad.yaml")
+        with open(file, "w", encoding="utf-8") as text:
+            text.write("site: north\nqueue: { path: q.db, size: 1GB }\njetstream: { servers: [nats://10.0.0.1:4222] }\n")
+        done = subprocess.run([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", file, "--check"], capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("bad.yaml:2:", done.stderr)
+        self.assertIn("bad.yaml:3:", done.stderr)
+
+
+if __name__ == "__main__":
+    BIN_DIR, SOURCE_DIR = sys.argv[1], sys.argv[2]
+    NATS_SERVER = nats.PROGRAM or os.path.join(sys.argv[3], "nats-server", "usr", "sbin", "nats-server")
+    if not os.path.exists(NATS_SERVER):
+        print("no nats-server here; tools/install.sh test brings it")
+        sys.exit(77)
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)

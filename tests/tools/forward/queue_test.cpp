@@ -1,0 +1,203 @@
+#include "tools/forward/queue/queue.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/tools/forward/batch_support.hpp"
+#include "tools/forward/payload/codec.hpp"
+
+namespace fieldcast::forward {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr UtcTime kNow{1'000'000'000'000};
+
+struct QueueTest : testing::Test {
+  Folder folder;
+  std::string path = folder.file("queue.db");
+
+  Queue open(std::uint64_t max_bytes = 10'000'000, Duration keep = {}) {
+    return Queue({path, max_bytes, keep});
+  }
+  static void append(Queue& queue, const Record& record, UtcTime now = kNow) {
+    queue.append(std::span(&record, 1), {}, now);
+  }
+  static std::vector<std::uint64_t> ids(Queue& queue) {
+    std::vector<std::uint64_t> found;
+    for (const Record& record : queue.read(0, 100'000, 1 << 30)) found.push_back(record.id);
+    return found;
+  }
+  static std::uint64_t samples(Queue& queue) {
+    std::uint64_t count = 0;
+    for (const Record& record : queue.read(0, 100'000, 1 << 30)) count += record.samples;
+    return count;
+  }
+  static Record catalogue_record() {
+    return {.kind = RecordKind::kCatalogue,
+            .bus = "line",
+            .device = "press",
+            .identity = identity_of(catalogue({"a"})),
+            .body = encode("north", catalogue({"a"}))};
+  }
+  static Record alarm_record() {
+    return {.kind = RecordKind::kAlarm,
+            .bus = "line",
+            .device = "press",
+            .identity = identity_of(alarm()),
+            .body = encode("north", alarm())};
+  }
+};
+
+TEST_F(QueueTest, RecordsStayInTheirOrderOverARestart) {
+  {
+    Queue queue = open();
+    append(queue, record_of(seconds(0, 3)));
+    append(queue, alarm_record());
+  }
+  Queue queue = open();
+  const auto records = queue.read(0, 10, 1 << 20);
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_LT(records[0].id, records[1].id);
+  EXPECT_EQ(records[0].bus, "line");
+  EXPECT_EQ(records[0].epoch, 7u);
+  EXPECT_EQ(records[0].identity, identity_of(seconds(0, 3)));
+  EXPECT_EQ(records[0].samples, 3u);
+  EXPECT_EQ(records[0].body, encode(seconds(0, 3))) << "bytes of protobuf, also zeros";
+  EXPECT_EQ(records[1].kind, RecordKind::kAlarm);
+  EXPECT_EQ(queue.counters().records, 2u);
+}
+
+TEST_F(QueueTest, OnlyItsOwnerReadsTheFile) {
+  Queue queue = open();
+  EXPECT_EQ(std::filesystem::status(path).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+TEST_F(QueueTest, ReadBeginsAfterAnIdAndEndsAtTheLimits) {
+  Queue queue = open();
+  for (std::int64_t i = 0; i < 5; ++i) append(queue, record_of(seconds(i, i + 1)));
+  EXPECT_EQ(queue.read(2, 2, 1 << 20).size(), 2u);
+  EXPECT_EQ(queue.read(2, 2, 1 << 20)[0].id, 3u);
+  EXPECT_EQ(queue.read(0, 100, 1).size(), 1u) << "at least one";
+  EXPECT_TRUE(queue.read(5, 10, 1 << 20).empty());
+}
+
+TEST_F(QueueTest, ARemovedRecordIsNotReadAgain) {
+  Queue queue = open();
+  for (std::int64_t i = 0; i < 3; ++i) append(queue, record_of(seconds(i, i + 1)));
+  queue.remove(std::vector<std::uint64_t>{1, 3, 3, 77});
+  EXPECT_THAT(ids(queue), ElementsAre(2u));
+  EXPECT_EQ(queue.counters().records, 1u);
+  queue.remove(std::vector<std::uint64_t>{2});
+  EXPECT_EQ(queue.counters().bytes, 0u);
+  append(queue, record_of(seconds(0, 1)));
+  EXPECT_THAT(ids(queue), ElementsAre(4u)) << "a number is not used twice";
+}
+
+TEST_F(QueueTest, PositionsAndCataloguesStayOverARestart) {
+  {
+    Queue queue = open();
+    const Record record = catalogue_record();
+    const NamedPosition first{"line/press/a", {7, 1}}, second{"line/press/a", {7, 2}};
+    queue.append(std::span(&record, 1), std::span(&first, 1), kNow);
+    queue.append({}, std::span(&second, 1), kNow);
+    queue.remove(std::vector<std::uint64_t>{1});
+  }
+  Queue queue = open();
+  ASSERT_EQ(queue.positions().size(), 1u);
+  EXPECT_EQ(queue.positions()[0].position, (Position{7, 2}));
+  const auto body = queue.catalogue(identity_of(catalogue({"a"})));
+  ASSERT_TRUE(body);
+  EXPECT_TRUE(decode_catalogue(*body));
+  EXPECT_FALSE(queue.catalogue(1));
+}
+
+TEST_F(QueueTest, AFullQueueThinsTheOldestSamplesFirst) {
+  Queue queue = open(100'000);
+  append(queue, alarm_record());
+  for (std::int64_t i = 0; i < 900; ++i) append(queue, record_of(seconds(i, i + 1)));
+  const Queue::Counters counters = queue.counters();
+  EXPECT_LE(counters.bytes, 100'000u);
+  EXPECT_GT(counters.thinned, 0u);
+  EXPECT_EQ(counters.dropped_samples, 0u);
+  EXPECT_EQ(samples(queue) + counters.thinned, 900u);
+  const auto records = queue.read(0, 100'000, 1 << 30);
+  EXPECT_EQ(records.size(), counters.records);
+  EXPECT_EQ(records[1].body, encode(seconds(0, 1)));
+  EXPECT_EQ(records[2].body, encode(seconds(60, 61))) << "one a minute";
+  EXPECT_EQ(records.back().body, encode(seconds(899, 900)));
+  EXPECT_EQ(records[records.size() - 2].body, encode(seconds(898, 899))) << "the newest are raw";
+}
+
+TEST_F(QueueTest, AThinnedRecordKeepsItsIdentity) {
+  Queue queue = open(20'000);
+  for (std::int64_t i = 0; i < 200; ++i) append(queue, record_of(seconds(3 * i, 3 * i + 3)));
+  const auto records = queue.read(0, 1, 1 << 20);
+  EXPECT_EQ(records[0].identity, identity_of(seconds(0, 3)));
+  EXPECT_EQ(records[0].samples, 1u);
+}
+
+TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedAndAlarmsLast) {
+  Queue queue = open(50'000);
+  append(queue, alarm_record());
+  append(queue, catalogue_record());
+  // One sample a minute: nothing can be thinned out.
+  for (std::int64_t i = 0; i < 900; ++i) append(queue, record_of(seconds(60 * i, 60 * i + 1)));
+  Queue::Counters counters = queue.counters();
+  EXPECT_LE(counters.bytes, 50'000u);
+  EXPECT_EQ(counters.thinned, 0u);
+  EXPECT_GT(counters.dropped_samples, 0u);
+  auto records = queue.read(0, 100'000, 1 << 30);
+  EXPECT_EQ(records[0].kind, RecordKind::kAlarm);
+  EXPECT_EQ(records[1].kind, RecordKind::kCatalogue);
+  EXPECT_EQ(records.back().body, encode(seconds(60 * 899, 60 * 899 + 1)));
+  for (int i = 0; i < 900; ++i) append(queue, alarm_record());
+  records = queue.read(0, 100'000, 1 << 30);
+  EXPECT_LE(queue.counters().bytes, 50'000u);
+  for (const Record& record : records) EXPECT_EQ(record.kind, RecordKind::kAlarm);
+  EXPECT_GT(records[0].id, 902u);
+}
+
+TEST_F(QueueTest, OldRecordsAreDroppedIfTheirAgeIsBounded) {
+  constexpr Duration kHour = std::chrono::hours{1};
+  Queue queue = open(10'000'000, kHour);
+  append(queue, record_of(seconds(0, 5)), kNow);
+  append(queue, record_of(seconds(5, 6)), {kNow.nanoseconds + kHour.count()});
+  queue.clean({kNow.nanoseconds + kHour.count()});
+  EXPECT_EQ(ids(queue).size(), 2u);
+  queue.clean({kNow.nanoseconds + kHour.count() + 1});
+  EXPECT_THAT(ids(queue), ElementsAre(2u));
+  EXPECT_EQ(queue.counters().dropped_samples, 5u);
+}
+
+TEST_F(QueueTest, WithoutALimitOfAgeNothingIsTooOld) {
+  Queue queue = open();
+  append(queue, record_of(seconds(0, 5)), kNow);
+  queue.clean({INT64_MAX});
+  EXPECT_EQ(ids(queue).size(), 1u);
+}
+
+TEST_F(QueueTest, ASecondForwarderCannotUseTheFile) {
+  Queue queue = open();
+  try {
+    open();
+    FAIL();
+  } catch (const StoreError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("only one fieldcast-forward"));
+  }
+  append(queue, record_of(seconds(0, 1)));
+  EXPECT_EQ(ids(queue).size(), 1u);
+}
+
+TEST_F(QueueTest, AFileThatIsNotAQueueIsRefusedWithItsName) {
+  std::filesystem::create_directory(path);
+  try {
+    open();
+    FAIL();
+  } catch (const StoreError& error) { EXPECT_THAT(error.what(), testing::HasSubstr(path)); }
+}
+
+}  // namespace
+}  // namespace fieldcast::forward

@@ -1,0 +1,36 @@
+#include "tools/forward/send/subject.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/forward/batch_support.hpp"
+
+namespace fieldcast::forward {
+namespace {
+
+TEST(Subject, CharactersThatNatsForbidsAreEscaped) {
+  EXPECT_EQ(subject_token("press-1_A"), "press-1_A");
+  EXPECT_EQ(subject_token("a.b c*>"), "a=2Eb=20c=2A=3E");
+  EXPECT_EQ(subject_token("a=2Eb"), "a=3D2Eb") << "two names never get one token";
+  EXPECT_EQ(subject_token("ü\n"), "=C3=BC=0A");
+  EXPECT_EQ(subject_token(""), "=");
+}
+
+TEST(Subject, NamesSiteBusAndDevice) {
+  Record record{.bus = "line", .device = "press.1", .identity = 0xAB};
+  EXPECT_EQ(subject_of("north", "bucket", record), "fieldcast.north.line.press=2E1");
+  record.kind = RecordKind::kAlarm;
+  EXPECT_EQ(subject_of("north", "bucket", record), "fieldcast-alarm.north.line.press=2E1");
+  record.kind = RecordKind::kCatalogue;
+  EXPECT_EQ(subject_of("north", "bucket", record), "$KV.bucket.north.line.press=2E1.ab");
+}
+
+TEST(MessageId, IsThatOfTheSamples) {
+  const Record record = record_of(seconds(0, 3));
+  EXPECT_EQ(message_id_of("north", record), message_id_of("north", record_of(seconds(0, 3))));
+  EXPECT_NE(message_id_of("north", record), message_id_of("south", record));
+  EXPECT_NE(message_id_of("north", record), message_id_of("north", record_of(seconds(0, 4))));
+  EXPECT_TRUE(message_id_of("north", record).starts_with("north/line/7/"));
+}
+
+}  // namespace
+}  // namespace fieldcast::forward

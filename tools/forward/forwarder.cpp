@@ -1,0 +1,219 @@
+#include "tools/forward/forwarder.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "bridge/base/clock.hpp"
+#include "bridge/log/log.hpp"
+#include "tools/forward/outlet/jetstream.hpp"
+#include "tools/forward/payload/codec.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+// Records that wait while the queue cannot be written, for example because the disk is full.
+constexpr std::size_t kMostWaiting = 10'000;
+
+Record record_of(const std::string& site, const DeviceCatalogue& catalogue) {
+  return {.kind = RecordKind::kCatalogue,
+          .bus = catalogue.bus,
+          .device = catalogue.device,
+          .identity = identity_of(catalogue),
+          .body = encode(site, catalogue)};
+}
+
+Record record_of(const SampleBatch& batch) {
+  return {.kind = RecordKind::kSamples,
+          .bus = batch.bus,
+          .device = batch.device,
+          .epoch = batch.epoch,
+          .identity = identity_of(batch),
+          .samples = static_cast<std::uint32_t>(batch.samples.size()),
+          .body = encode(batch)};
+}
+
+Record record_of(const std::string& site, const StationAlarmStatus& alarm) {
+  return {.kind = RecordKind::kAlarm,
+          .bus = alarm.alarm.bus,
+          .device = alarm.alarm.device,
+          .identity = identity_of(alarm),
+          .body = encode(site, alarm)};
+}
+
+}  // namespace
+
+Forwarder::Forwarder(const ForwardSpec& spec)
+    : spec_(spec),
+      queue_(spec.queue),
+      sender_(spec.send, queue_,
+              MessageMaker(spec.site, spec.jetstream.bucket, spec.payload,
+                           [this](std::uint64_t identity) { return queue_.catalogue(identity); })),
+      gatherer_(spec.gather) {
+  for (const NamedPosition& position : queue_.positions()) {
+    // The name of an alarm ends with its limit: "bus/device/channel high".
+    if (position.name.find(' ') != std::string::npos) {
+      alarm_positions_[position.name] = position.position;
+    } else {
+      gatherer_.restore(position);
+    }
+  }
+}
+
+// The log of SQLite needs space beside the records.
+void Forwarder::check_disk() const {
+  constexpr std::uint64_t kLog = 100'000'000;
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(spec_.queue.path, error).parent_path();
+  const auto space = std::filesystem::space(folder, error);
+  const std::uint64_t needed = spec_.queue.max_bytes + kLog - queue_.counters().bytes;
+  if (error || space.available >= needed) return;
+  log_warning("queue",
+              fmt::format("{} has {} MB free, and the queue may need {} MB; free the disk, or "
+                          "configure a smaller max-size",
+                          folder.string(), space.available / 1'000'000, needed / 1'000'000));
+}
+
+void Forwarder::start() {
+  check_disk();
+  sender_.start(
+      std::make_unique<JetStreamOutlet>(spec_.jetstream, "fieldcast-forward " + spec_.site,
+                                        spec_.send.in_flight, [this] { sender_.wake(); }));
+  worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
+  station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
+  subscribe();
+}
+
+void Forwarder::subscribe() {
+  station_->subscribe_channels(
+      [this](const StationChannel& channel) {
+        const std::lock_guard lock(mutex_);
+        gatherer_.on_channel(channel);
+      },
+      [this](const std::string& bus, const std::string& device, const std::string& channel) {
+        const std::lock_guard lock(mutex_);
+        gatherer_.on_channel_removed(bus, device, channel);
+      });
+  station_->subscribe_alarm_status([this](const StationAlarmStatus& alarm) { on_alarm(alarm); });
+  station_->subscribe_samples([this](const StationSample& sample) {
+    const Instant now = steady_now();
+    const std::lock_guard lock(mutex_);
+    gatherer_.on_sample(sample, now);
+  });
+}
+
+void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
+  const Position position{0, identity_of(alarm)};
+  const std::lock_guard lock(mutex_);
+  const std::string name = to_text(alarm.alarm);
+  const auto known = alarm_positions_.find(name);
+  const bool is_known = known != alarm_positions_.end();
+  if (is_known && known->second == position) return;
+  if (alarms_.size() >= kMaxAlarms || (!is_known && alarm_positions_.size() >= kMaxKnownAlarms)) {
+    ++lost_alarms_;
+    return;
+  }
+  alarm_positions_[name] = position;
+  alarms_.push_back(alarm);
+}
+
+void Forwarder::stop() {
+  station_.reset();
+  worker_.reset();
+  sender_.stop();
+}
+
+void Forwarder::gather(BoundedQueue<int>& commands) {
+  Instant cleaned = steady_now();
+  while (!commands.pause(records_.empty() ? kLook : kLookAfterFault)) {
+    append(false);
+    if (steady_now() - cleaned < kClean) continue;
+    cleaned = steady_now();
+    try {
+      queue_.clean(read_clocks().utc);
+    } catch (const StoreError& error) {
+      log_counted(LogLevel::kError, "queue", "faults of the queue", error.what());
+    }
+  }
+  append(true);
+  if (!records_.empty())
+    log_error("queue",
+              fmt::format("{} messages could not be stored and are lost", records_.size()));
+}
+
+void Forwarder::append(bool all) {
+  if (records_.size() < kMostWaiting) collect(all);
+  if (records_.empty()) return;
+  try {
+    queue_.append(records_, positions_, read_clocks().utc);
+  } catch (const StoreError& error) {
+    log_counted(LogLevel::kError, "queue", "faults of the queue",
+                fmt::format("{}; {} messages wait in memory", error.what(), records_.size()));
+    return;
+  }
+  records_.clear();
+  positions_.clear();
+  sender_.wake();
+}
+
+void Forwarder::collect(bool all) {
+  std::vector<Gathered> batches;
+  std::vector<StationAlarmStatus> alarms;
+  {
+    const std::lock_guard lock(mutex_);
+    batches = gatherer_.take(steady_now(), all);
+    alarms = std::exchange(alarms_, {});
+  }
+  for (Gathered& gathered : batches) {
+    if (gathered.catalogue) records_.push_back(record_of(spec_.site, *gathered.catalogue));
+    records_.push_back(record_of(gathered.batch));
+    std::move(gathered.positions.begin(), gathered.positions.end(), std::back_inserter(positions_));
+  }
+  for (const StationAlarmStatus& alarm : alarms) {
+    records_.push_back(record_of(spec_.site, alarm));
+    positions_.push_back({to_text(alarm.alarm), {0, records_.back().identity}});
+  }
+}
+
+std::string Forwarder::status() const {
+  const Queue::Counters queue = queue_.counters();
+  const Sender::Counters sent = sender_.counters();
+  return fmt::format(
+      "{}, {} messages wait ({:.1f} kB), {} samples in {} messages acknowledged, {} "
+      "messages repeated, {} refused",
+      sent.is_ready ? "connected" : "not connected", queue.records,
+      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.messages, sent.repeated,
+      sent.refused);
+}
+
+void Forwarder::log_losses() {
+  const Queue::Counters queue = queue_.counters();
+  if (queue.thinned != logged_queue_.thinned ||
+      queue.dropped_records != logged_queue_.dropped_records) {
+    log_warning("queue",
+                fmt::format("the queue is full or too old: {} samples thinned out, {} messages "
+                            "with {} samples dropped since the last report",
+                            queue.thinned - logged_queue_.thinned,
+                            queue.dropped_records - logged_queue_.dropped_records,
+                            queue.dropped_samples - logged_queue_.dropped_samples));
+  }
+  logged_queue_ = queue;
+  std::uint64_t lost_alarms = 0;
+  Gatherer::Counters counters;
+  {
+    const std::lock_guard lock(mutex_);
+    counters = gatherer_.counters();
+    lost_alarms = std::exchange(lost_alarms_, 0);
+  }
+  if (counters.refused != logged_.refused || lost_alarms != 0) {
+    log_warning("gather",
+                fmt::format("the queue cannot be written fast enough: {} samples and {} alarms "
+                            "lost since the last report",
+                            counters.refused - logged_.refused, lost_alarms));
+  }
+  logged_ = counters;
+}
+
+}  // namespace fieldcast::forward

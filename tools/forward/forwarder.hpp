@@ -1,0 +1,78 @@
+// The parts of a forwarder, and the order in which they start and stop: the queue, the sender, then
+// the DDS domain. Samples pass from the threads of DDS by a lock to the thread `gather`, which
+// appends batches to the queue; the thread `sender` publishes them.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/base/worker.hpp"
+#include "bridge/station/station.hpp"
+#include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/send/sender.hpp"
+#include "tools/forward/settings/configuration.hpp"
+
+namespace fieldcast::forward {
+
+class Forwarder {
+ public:
+  // Opens the queue. Throws StoreError.
+  explicit Forwarder(const ForwardSpec& spec);
+  ~Forwarder() { stop(); }
+  Forwarder(const Forwarder&) = delete;
+  Forwarder& operator=(const Forwarder&) = delete;
+
+  // Joins the domain. Throws DdsError.
+  void start();
+  // Leaves the domain and appends what was received. Records without an acknowledgement stay in the
+  // queue. May be called twice.
+  void stop();
+
+  // One line: "connected, 12 messages wait (3.1 kB), 12000 samples acknowledged".
+  [[nodiscard]] std::string status() const;
+  // Logs what was removed or refused since the last call.
+  void log_losses();
+
+ private:
+  // Between two looks for batches that have ended.
+  static constexpr Duration kLook = std::chrono::milliseconds{50};
+  // The same while the queue cannot be written.
+  static constexpr Duration kLookAfterFault = std::chrono::seconds{1};
+  static constexpr Duration kClean = std::chrono::minutes{1};
+  // Alarms that wait for the thread `gather`, and known alarms. Further ones are dropped and
+  // counted.
+  static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
+
+  void subscribe();
+  void check_disk() const;
+  void on_alarm(const StationAlarmStatus& alarm);
+  void gather(BoundedQueue<int>& commands);
+  // Appends what has ended; keeps it for the next call if the queue cannot be written.
+  void append(bool all);
+  void collect(bool all);
+
+  const ForwardSpec spec_;
+  Queue queue_;
+  Sender sender_;
+
+  mutable std::mutex mutex_;  // protects the four members below
+  Gatherer gatherer_;
+  std::vector<StationAlarmStatus> alarms_;
+  std::map<std::string, Position, std::less<>> alarm_positions_;
+  std::uint64_t lost_alarms_ = 0;
+
+  // Of the thread `gather`.
+  std::vector<Record> records_;  // not appended yet
+  std::vector<NamedPosition> positions_;
+
+  Queue::Counters logged_queue_;
+  Gatherer::Counters logged_;
+
+  std::unique_ptr<Station> station_;
+  std::optional<Worker<int>> worker_;
+};
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,247 @@
+#include "tools/forward/outlet/jetstream.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+#include "bridge/log/log.hpp"
+#include "tools/forward/outlet/nats_options.hpp"
+#include "tools/forward/outlet/streams.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+constexpr const char* kSubject = "jetstream";
+constexpr Duration kPause = std::chrono::seconds{2};  // after a failed attempt
+constexpr std::int64_t kCloseMs = 5'000;
+
+std::string server_of(natsConnection* connection) {
+  std::array<char, 256> url{};
+  if (natsConnection_GetConnectedUrl(connection, url.data(), url.size()) != NATS_OK) return "?";
+  const std::string_view text(url.data());
+  // A URL may contain a login.
+  const std::size_t at = text.rfind('@');
+  return std::string(at == text.npos ? text : text.substr(at + 1));
+}
+
+std::string reason_of(natsConnection* connection) {
+  const char* last = nullptr;
+  const natsStatus status = natsConnection_GetLastError(connection, &last);
+  if (last != nullptr && *last != '\0') return last;
+  return natsStatus_GetText(status);
+}
+
+Outcome outcome_of(const jsPubAck* done, const jsPubAckErr* error) {
+  if (done != nullptr) return Outcome::kAcknowledged;
+  const bool is_too_large = error != nullptr && error->ErrCode == JSStreamMessageExceedsMaximumErr;
+  return is_too_large ? Outcome::kRefused : Outcome::kFailed;
+}
+
+void log_refused(std::string_view subject, std::size_t bytes, std::string_view limit) {
+  log_counted(LogLevel::kError, kSubject, "messages that the server refuses",
+              fmt::format("{}: a message of {} bytes is removed: it exceeds {}; increase it",
+                          subject, bytes, limit));
+}
+
+void log_failed(std::string_view subject, const jsPubAckErr* error) {
+  const natsStatus status = error == nullptr ? NATS_ERR : error->Err;
+  const bool has_text = error != nullptr && error->ErrText != nullptr && *error->ErrText != '\0';
+  log_counted(LogLevel::kWarning, kSubject, "messages without an acknowledgement",
+              fmt::format("{}: {}; the message is sent again{}", subject,
+                          has_text ? error->ErrText : natsStatus_GetText(status),
+                          status == NATS_NO_RESPONDERS
+                              ? "; no stream has this subject: create it, or set create: true"
+                              : ""));
+}
+
+}  // namespace
+
+// Lives until the library has ended its threads: its callbacks use this object.
+struct JetStreamOutlet::State {
+  const JetStreamSpec spec;
+  const std::string name;
+  const std::uint32_t in_flight;
+  const std::function<void()> wake;
+
+  // Of the thread that uses the outlet.
+  NatsConnection connection;
+  JetStreamContext context;
+  bool has_streams = false;
+  Instant next_attempt{};
+
+  std::atomic<bool> is_closing = false;  // by this program: not logged
+
+  std::mutex mutex;  // protects the members below; not held while the library is called
+  std::unordered_map<std::string, std::uint64_t> pending;  // records, by message id
+  std::vector<OutletResult> results;
+
+  void connect(Instant now);
+  void disconnect();
+  void finish(const std::string& id, Outcome outcome);
+
+  static void on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
+                        void* closure);
+  static void on_connected(natsConnection* from, void* closure);
+  static void on_disconnected(natsConnection* from, void* closure);
+  static void on_closed(natsConnection* from, void* closure);
+};
+
+void JetStreamOutlet::State::on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
+                                       void* closure) {
+  const NatsMessage owned(message);
+  const Outcome outcome = outcome_of(done, error);
+  const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(message));
+  if (outcome == Outcome::kFailed) log_failed(natsMsg_GetSubject(message), error);
+  if (outcome == Outcome::kRefused)
+    log_refused(natsMsg_GetSubject(message), bytes, "max_msg_size of the stream");
+  const char* id = nullptr;
+  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) == NATS_OK)
+    static_cast<State*>(closure)->finish(id, outcome);
+}
+
+void JetStreamOutlet::State::finish(const std::string& id, Outcome outcome) {
+  {
+    const std::lock_guard lock(mutex);
+    const auto found = pending.find(id);
+    if (found == pending.end()) return;
+    results.push_back({found->second, outcome});
+    pending.erase(found);
+  }
+  wake();
+}
+
+void JetStreamOutlet::State::on_connected(natsConnection* from, void* closure) {
+  log_info(kSubject, "connected to " + server_of(from));
+  static_cast<State*>(closure)->wake();
+}
+
+void JetStreamOutlet::State::on_disconnected(natsConnection* from, void* closure) {
+  if (static_cast<State*>(closure)->is_closing) return;
+  log_warning(kSubject,
+              fmt::format("disconnected ({}); the queue keeps all records", reason_of(from)));
+}
+
+void JetStreamOutlet::State::on_closed(natsConnection* from, void* closure) {
+  auto& self = *static_cast<State*>(closure);
+  if (self.is_closing) return;
+  log_counted(LogLevel::kWarning, kSubject, "closed connections",
+              fmt::format("connection closed: {}", reason_of(from)));
+  self.wake();
+}
+
+void JetStreamOutlet::State::connect(Instant now) {
+  next_attempt = now + kPause;
+  auto options = nats_options(spec, name);
+  if (!options) {
+    log_counted(LogLevel::kError, kSubject, "faults of the login", options.error());
+    return;
+  }
+  natsOptions* const raw = options->get();
+  natsOptions_SetClosedCB(raw, on_closed, this);
+  natsOptions_SetDisconnectedCB(raw, on_disconnected, this);
+  natsOptions_SetReconnectedCB(raw, on_connected, this);
+  is_closing = false;
+  natsConnection* made = nullptr;
+  if (const natsStatus status = natsConnection_Connect(&made, raw); status != NATS_OK) {
+    const char* const detail = nats_GetLastError(nullptr);
+    log_counted(LogLevel::kWarning, kSubject, "failed connections",
+                fmt::format("cannot connect: {}; the forwarder tries again",
+                            detail == nullptr ? natsStatus_GetText(status) : detail));
+    return;
+  }
+  connection.reset(made);
+  log_info(kSubject, "connected to " + server_of(made));
+  jsOptions context_options;
+  jsOptions_Init(&context_options);
+  context_options.PublishAsync.MaxPending = in_flight + 1;  // so that a publish never waits
+  context_options.PublishAsync.AckHandler = on_result;
+  context_options.PublishAsync.AckHandlerClosure = this;
+  jsCtx* js = nullptr;
+  if (natsConnection_JetStream(&js, made, &context_options) != NATS_OK) {
+    log_error(kSubject, "the library cannot create a context of JetStream");
+    connection.reset();
+    return;
+  }
+  context.reset(js);
+}
+
+void JetStreamOutlet::State::disconnect() {
+  is_closing = true;
+  if (connection) natsConnection_Close(connection.get());
+  context.reset();
+  connection.reset();
+  has_streams = false;
+  const std::lock_guard lock(mutex);
+  for (const auto& [id, record] : pending) results.push_back({record, Outcome::kFailed});
+  pending.clear();
+}
+
+JetStreamOutlet::JetStreamOutlet(const JetStreamSpec& spec, std::string name,
+                                 std::uint32_t in_flight, std::function<void()> wake)
+    : state_(new State{spec, std::move(name), in_flight, std::move(wake)}) {}
+
+JetStreamOutlet::~JetStreamOutlet() {
+  state_->disconnect();
+  nats_CloseAndWait(kCloseMs);
+}
+
+bool JetStreamOutlet::is_ready(Instant now) {
+  // The library gives a connection up after repeated refusals of the login.
+  if (state_->connection && natsConnection_IsClosed(state_->connection.get())) {
+    state_->disconnect();
+    state_->next_attempt = now + kPause;
+  }
+  if (!state_->connection && now >= state_->next_attempt) state_->connect(now);
+  if (!state_->connection ||
+      natsConnection_Status(state_->connection.get()) != NATS_CONN_STATUS_CONNECTED)
+    return false;
+  if (!state_->spec.streams.create || state_->has_streams) return true;
+  if (now < state_->next_attempt) return false;
+  if (const auto created = create_streams(*state_->context, state_->spec); !created) {
+    log_counted(LogLevel::kError, kSubject, "faults of streams", created.error());
+    state_->next_attempt = now + kPause;
+    return false;
+  }
+  state_->has_streams = true;
+  return true;
+}
+
+bool JetStreamOutlet::send(const OutletMessage& message) {
+  natsMsg* made = nullptr;
+  if (natsMsg_Create(&made, message.subject.c_str(), nullptr, message.payload.data(),
+                     static_cast<int>(message.payload.size())) != NATS_OK)
+    return false;
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->pending[message.id] = message.record;
+  }
+  jsPubOptions options;
+  jsPubOptions_Init(&options);
+  options.MsgId = message.id.c_str();
+  options.MaxWait = state_->spec.acknowledgement / std::chrono::milliseconds{1};
+  const natsStatus status = js_PublishMsgAsync(state_->context.get(), &made, &options);
+  natsMsg_Destroy(made);
+  if (status == NATS_OK) return true;
+  if (status == NATS_MAX_PAYLOAD) {
+    log_refused(message.subject, message.payload.size(), "max_payload of the server");
+    state_->finish(message.id, Outcome::kRefused);
+    return true;
+  }
+  log_counted(LogLevel::kWarning, kSubject, "messages that could not be sent",
+              fmt::format("{}: {}", message.subject, natsStatus_GetText(status)));
+  const std::lock_guard lock(state_->mutex);
+  state_->pending.erase(message.id);
+  return false;
+}
+
+std::vector<OutletResult> JetStreamOutlet::take_results() {
+  const std::lock_guard lock(state_->mutex);
+  return std::exchange(state_->results, {});
+}
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,22 @@
+// Owners of the objects of nats.c.
+#pragma once
+
+#include <nats/nats.h>
+
+#include <memory>
+
+namespace fieldcast::forward {
+
+template <auto destroy>
+struct NatsDestroy {
+  template <class Object>
+  void operator()(Object* object) const {
+    destroy(object);
+  }
+};
+using NatsOptions = std::unique_ptr<natsOptions, NatsDestroy<natsOptions_Destroy>>;
+using NatsConnection = std::unique_ptr<natsConnection, NatsDestroy<natsConnection_Destroy>>;
+using JetStreamContext = std::unique_ptr<jsCtx, NatsDestroy<jsCtx_Destroy>>;
+using NatsMessage = std::unique_ptr<natsMsg, NatsDestroy<natsMsg_Destroy>>;
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,16 @@
+// The options of a connection: servers, TLS, login, reconnection.
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+
+#include "tools/forward/outlet/jetstream_spec.hpp"
+#include "tools/forward/outlet/nats_handles.hpp"
+
+namespace fieldcast::forward {
+
+// Reads the files of the login. Fails with one line with the file, without secrets.
+[[nodiscard]] tl::expected<NatsOptions, std::string> nats_options(const JetStreamSpec& spec,
+                                                                  const std::string& name);
+
+}  // namespace fieldcast::forward

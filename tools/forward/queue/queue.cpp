@@ -1,0 +1,268 @@
+#include "tools/forward/queue/queue.hpp"
+
+#include <utility>
+
+#include "tools/forward/payload/codec.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+// The lock of the file is held until it is closed. The write-ahead log is written to the file
+// itself after 1000 pages of 4 KiB.
+constexpr const char* kTables = R"(
+pragma locking_mode = exclusive;
+pragma wal_autocheckpoint = 1000;
+create table if not exists records(
+  id integer primary key autoincrement, kind integer not null, bus text not null,
+  device text not null, epoch integer not null, identity integer not null,
+  samples integer not null, appended_at integer not null, bytes integer not null,
+  body blob not null);
+create table if not exists catalogues(identity integer primary key, body blob not null);
+create table if not exists positions(
+  name text primary key, epoch integer not null, sequence integer not null) without rowid;
+)";
+// SqlConnection binds texts; the cast stores the bytes as they are.
+constexpr const char* kInsert =
+    "insert into records(kind, bus, device, epoch, identity, samples, appended_at, bytes, body) "
+    "values($1, $2, $3, $4, $5, $6, $7, $8, cast($9 as blob))";
+constexpr const char* kKeepCatalogue =
+    "insert or ignore into catalogues(identity, body) values($1, cast($2 as blob))";
+constexpr const char* kKeepPosition =
+    "insert into positions(name, epoch, sequence) values($1, $2, $3) "
+    "on conflict(name) do update set epoch = excluded.epoch, sequence = excluded.sequence";
+constexpr const char* kRead =
+    "select id, kind, bus, device, epoch, identity, samples, body from records where id > $1 "
+    "order by id";
+constexpr const char* kRemove = "delete from records where id = $1 returning samples, bytes";
+constexpr const char* kOldest =
+    "select id, samples, bytes from records where kind = $1 order by id limit 64";
+constexpr const char* kTooOld =
+    "select id, samples, bytes from records where appended_at < $1 order by id limit 1024";
+constexpr const char* kThick =
+    "select id, bus, device, body from records where kind = 0 and id > $1 order by id limit 64";
+// SQLite numbers the parameters in the order in which they appear.
+constexpr const char* kThin =
+    "update records set samples = $1, bytes = $2, body = cast($3 as blob) where id = $4";
+
+std::int64_t as_integer(std::uint64_t number) { return static_cast<std::int64_t>(number); }
+std::uint64_t number_at(const SqlRow& row, std::size_t column) {
+  return static_cast<std::uint64_t>(integer_at(row, column));
+}
+
+Record record_of(const SqlRow& row) {
+  return {.id = number_at(row, 0),
+          .kind = static_cast<RecordKind>(integer_at(row, 1)),
+          .bus = text_at(row, 2),
+          .device = text_at(row, 3),
+          .epoch = number_at(row, 4),
+          .identity = number_at(row, 5),
+          .samples = static_cast<std::uint32_t>(integer_at(row, 6)),
+          .body = text_at(row, 7)};
+}
+
+std::unique_ptr<SqlConnection> open_queue(const std::string& path) {
+  try {
+    auto connection = open_sqlite(path, IfMissing::kCreate);
+    connection->script(kTables);
+    SqlTransaction(*connection).commit();  // the first transaction takes the lock
+    return connection;
+  } catch (const StoreError& error) {
+    throw StoreError(std::string(error.what()) +
+                     "; only one fieldcast-forward may use this file, on a disk with free space");
+  }
+}
+
+std::vector<SqlRow> rows_of(SqlConnection& connection, const char* sql, const SqlRow& parameters) {
+  std::vector<SqlRow> rows;
+  connection.query(sql, parameters, [&rows](const SqlRow& row) {
+    rows.push_back(row);
+    return true;
+  });
+  return rows;
+}
+
+}  // namespace
+
+Queue::Queue(const QueueSpec& spec) : spec_(spec), connection_(open_queue(spec.path)) { count(); }
+
+void Queue::count() {
+  connection_->query("select count(*), coalesce(sum(bytes), 0) from records", {},
+                     [this](const SqlRow& row) {
+                       counters_.records = number_at(row, 0);
+                       counters_.bytes = number_at(row, 1);
+                       return false;
+                     });
+}
+
+// If the disk is full, the write-ahead log is emptied, which may make the next attempt possible.
+template <class Work>
+void Queue::write(Work work) {
+  const std::lock_guard lock(mutex_);
+  try {
+    work();
+  } catch (const StoreAway&) {
+    try {
+      connection_->script("pragma wal_checkpoint(truncate)");
+    } catch (const StoreError&) {}  // the first fault is reported
+    throw;
+  }
+}
+
+void Queue::append(std::span<const Record> records, std::span<const NamedPosition> positions,
+                   UtcTime now) {
+  write([&] { append_all(records, positions, now); });
+}
+
+void Queue::append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
+                       UtcTime now) {
+  Counters counters = counters_;
+  SqlTransaction transaction(*connection_);
+  for (const Record& record : records) {
+    const std::uint64_t bytes = record.body.size() + kRowBytes;
+    if (record.kind == RecordKind::kCatalogue)
+      connection_->execute(kKeepCatalogue, SqlRow{as_integer(record.identity), record.body});
+    connection_->execute(kInsert, SqlRow{std::int64_t{static_cast<std::uint8_t>(record.kind)},
+                                         record.bus, record.device, as_integer(record.epoch),
+                                         as_integer(record.identity), std::int64_t{record.samples},
+                                         now.nanoseconds, as_integer(bytes), record.body});
+    ++counters.records;
+    counters.bytes += bytes;
+  }
+  for (const NamedPosition& each : positions)
+    connection_->execute(kKeepPosition, SqlRow{each.name, as_integer(each.position.epoch),
+                                               as_integer(each.position.sequence)});
+  make_space(counters);
+  transaction.commit();
+  counters_ = counters;
+}
+
+// Goes below the limit by kMargin, so that not each append makes space, and so that one append does
+// not thin the whole queue.
+void Queue::make_space(Counters& counters) {
+  if (counters.bytes <= spec_.max_bytes) return;
+  const std::uint64_t wanted = spec_.max_bytes - spec_.max_bytes / kMargin;
+  while (counters.bytes > wanted && thin_oldest(counters)) {}
+  for (const RecordKind kind : {RecordKind::kSamples, RecordKind::kCatalogue, RecordKind::kAlarm}) {
+    while (counters.bytes > wanted && drop_oldest(kind, counters)) {}
+  }
+}
+
+bool Queue::thin_oldest(Counters& counters) {
+  const auto rows = rows_of(*connection_, kThick, {as_integer(thinned_to_)});
+  for (const SqlRow& row : rows) {
+    thinned_to_ = number_at(row, 0);
+    const std::string body = text_at(row, 3);
+    std::optional<SampleBatch> batch = decode_samples(body);
+    if (!batch) continue;
+    const std::size_t removed = thinning_.thin(*batch);
+    if (removed == 0) continue;
+    counters.thinned += removed;
+    const std::string thin = batch->samples.empty() ? "" : encode(*batch);
+    counters.bytes -= body.size() - thin.size();
+    if (batch->samples.empty()) {
+      connection_->query(kRemove, {row[0]}, [](const SqlRow&) { return true; });
+      --counters.records;
+      counters.bytes -= kRowBytes;
+      continue;
+    }
+    connection_->execute(kThin,
+                         SqlRow{std::int64_t{static_cast<std::uint32_t>(batch->samples.size())},
+                                as_integer(thin.size() + kRowBytes), thin, row[0]});
+  }
+  return !rows.empty();
+}
+
+bool Queue::drop_oldest(RecordKind kind, Counters& counters) {
+  const auto rows = rows_of(*connection_, kOldest, {std::int64_t{static_cast<std::uint8_t>(kind)}});
+  drop(rows, counters);
+  return !rows.empty();
+}
+
+void Queue::drop(const std::vector<SqlRow>& rows, Counters& counters) {
+  for (const SqlRow& row : rows) {
+    connection_->query(kRemove, {row[0]}, [](const SqlRow&) { return true; });
+    --counters.records;
+    ++counters.dropped_records;
+    counters.dropped_samples += number_at(row, 1);
+    counters.bytes -= number_at(row, 2);
+  }
+}
+
+std::vector<Record> Queue::read(std::uint64_t after, std::size_t most_records,
+                                std::size_t most_bytes) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Record> records;
+  std::size_t bytes = 0;
+  connection_->query(kRead, {as_integer(after)}, [&](const SqlRow& row) {
+    records.push_back(record_of(row));
+    bytes += records.back().body.size();
+    return records.size() < most_records && bytes < most_bytes;
+  });
+  return records;
+}
+
+void Queue::remove(std::span<const std::uint64_t> ids) {
+  write([&] { remove_all(ids); });
+}
+
+void Queue::remove_all(std::span<const std::uint64_t> ids) {
+  Counters counters = counters_;
+  SqlTransaction transaction(*connection_);
+  for (const std::uint64_t id : ids) {
+    // A record that was dropped meanwhile is not counted a second time.
+    connection_->query(kRemove, {as_integer(id)}, [&counters](const SqlRow& row) {
+      --counters.records;
+      counters.bytes -= number_at(row, 1);
+      return true;
+    });
+  }
+  transaction.commit();
+  counters_ = counters;
+}
+
+void Queue::clean(UtcTime now) {
+  const std::lock_guard lock(mutex_);
+  if (spec_.keep != Duration{}) {
+    const SqlRow before{saturated_difference(now.nanoseconds, spec_.keep.count())};
+    for (bool more = true; more;) {
+      Counters counters = counters_;
+      SqlTransaction transaction(*connection_);
+      const auto rows = rows_of(*connection_, kTooOld, before);
+      drop(rows, counters);
+      transaction.commit();
+      counters_ = counters;
+      more = !rows.empty();
+    }
+  }
+  connection_->script("pragma incremental_vacuum(4096)");
+}
+
+std::optional<std::string> Queue::catalogue(std::uint64_t identity) {
+  const std::lock_guard lock(mutex_);
+  std::optional<std::string> body;
+  connection_->query("select body from catalogues where identity = $1", {as_integer(identity)},
+                     [&body](const SqlRow& row) {
+                       body = text_at(row, 0);
+                       return false;
+                     });
+  return body;
+}
+
+std::vector<NamedPosition> Queue::positions() {
+  const std::lock_guard lock(mutex_);
+  std::vector<NamedPosition> positions;
+  connection_->query(
+      "select name, epoch, sequence from positions", {}, [&positions](const SqlRow& row) {
+        positions.push_back({text_at(row, 0), {number_at(row, 1), number_at(row, 2)}});
+        return true;
+      });
+  return positions;
+}
+
+Queue::Counters Queue::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+}  // namespace fieldcast::forward

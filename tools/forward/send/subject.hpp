@@ -1,0 +1,26 @@
+// Names of NATS: subjects of the messages, and message ids. Pure.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "tools/forward/queue/queue.hpp"
+
+namespace fieldcast::forward {
+
+inline constexpr std::string_view kSampleSubjects = "fieldcast";
+inline constexpr std::string_view kAlarmSubjects = "fieldcast-alarm";
+
+// One token of a subject: each byte that is not an ASCII letter, a digit, '-' or '_' becomes "=2E".
+// The result is also allowed in a key of a key-value bucket. "=" for an empty name.
+[[nodiscard]] std::string subject_token(std::string_view name);
+
+// "fieldcast.SITE.BUS.DEVICE", "fieldcast-alarm.SITE.BUS.DEVICE", or for a catalogue
+// "$KV.BUCKET.SITE.BUS.DEVICE.IDENTITY".
+[[nodiscard]] std::string subject_of(std::string_view site, std::string_view bucket,
+                                     const Record& record);
+
+// "SITE/BUS/EPOCH/IDENTITY": equal for each repetition of the record, on any machine.
+[[nodiscard]] std::string message_id_of(std::string_view site, const Record& record);
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,226 @@
+#include "tools/forward/settings/forward_keys.hpp"
+
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/sections/store.hpp"
+
+namespace fieldcast::forward {
+namespace {
+
+using config::field;
+using config::Rows;
+
+constexpr std::pair<std::string_view, PayloadFormat> kFormats[] = {
+    {"protobuf", PayloadFormat::kProtobuf}, {"json", PayloadFormat::kJson}};
+constexpr std::pair<std::string_view, bool> kCompressions[] = {{"none", false}, {"zstd", true}};
+
+constexpr std::pair<std::string_view, std::int64_t> kRateUnits[] = {{"kB/s", 1'000},
+                                                                    {"MB/s", 1'000'000}};
+constexpr config::SizeRule kRate{.min = 1'000,
+                                 .max = 1'000'000'000,
+                                 .range = "1kB/s to 1000MB/s",
+                                 .allowed = "1kB/s to 1000MB/s, with kB/s or MB/s",
+                                 .pattern = R"([0-9]+(\\.[0-9]+)?(kB|MB)/s)",
+                                 .units = kRateUnits,
+                                 .fractions = true,
+                                 .outside = "is too small or too large"};
+
+constexpr std::pair<std::string_view, std::int64_t> kSizeUnits[] = {
+    {"MB", 1'000'000}, {"GB", 1'000'000'000}, {"TB", 1'000'000'000'000}};
+constexpr config::SizeRule kSize{.min = 1'000'000,
+                                 .max = 10'000'000'000'000,
+                                 .range = "1MB to 10TB",
+                                 .allowed = "1MB to 10TB, with MB, GB or TB",
+                                 .pattern = "[0-9]+(MB|GB|TB)",
+                                 .units = kSizeUnits};
+
+constexpr Duration kMostGather = std::chrono::minutes{1};
+constexpr Duration kLeastGather = std::chrono::milliseconds{10};
+constexpr Duration kLeastWait = std::chrono::milliseconds{100};
+constexpr Duration kMostWait = std::chrono::minutes{5};
+constexpr Duration kMostDuplicates = std::chrono::hours{24 * 7};
+
+}  // namespace
+
+const Rows<ForwardSpec>& forward_rows() {
+  static const Rows<ForwardSpec> rows(
+      "forward", "the configuration",
+      {
+          field<ForwardSpec>({.name = "site",
+                              .fallback = std::string(config::kNeeded),
+                              .text = "the name of this site in subjects and message ids; unique "
+                                      "among all sites of the engine",
+                              .example = "site: NAME"},
+                             &ForwardSpec::site, config::NameRule{}),
+          {{.name = "dds", .text = "as of the bridge: `domain`, `interfaces`, ..", .schema = "{}"}},
+          {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
+          {{.name = "queue",
+            .fallback = std::string(config::kNeeded),
+            .text = "the file with what is not acknowledged yet",
+            .schema = "{}"}},
+          {{.name = "gather", .text = "when a message is full", .schema = "{}"}},
+          {{.name = "payload", .text = "the form of the messages", .schema = "{}"}},
+          {{.name = "jetstream", .text = "the NATS servers", .schema = "{}"}},
+      });
+  return rows;
+}
+
+const Rows<QueueSpec>& queue_rows() {
+  static const Rows<QueueSpec> rows(
+      "queue", "'queue'",
+      {
+          field<QueueSpec>({.name = "path",
+                            .fallback = std::string(config::kNeeded),
+                            .text = "a file on a local disk, relative to this file; its owner is "
+                                    "the user of the program",
+                            .example = "path: FILE"},
+                           &QueueSpec::path, config::TextRule{config::kMaxPath}),
+          field<QueueSpec>({.name = "max-size",
+                            .fallback = "`1GB`",
+                            .text = "of all waiting records; then samples are thinned out and "
+                                    "removed, see below"},
+                           &QueueSpec::max_bytes, kSize),
+          field<QueueSpec>({.name = "keep",
+                            .fallback = "`forever`",
+                            .text = "older records are removed, also without an acknowledgement"},
+                           &QueueSpec::keep, config::KeepRule{}),
+      });
+  return rows;
+}
+
+const Rows<GatherSpec>& gather_rows() {
+  static const Rows<GatherSpec> rows(
+      "gather", "'gather'",
+      {
+          field<GatherSpec>({.name = "time",
+                             .fallback = "`1s`",
+                             .text = "from the first sample of a message until it is queued; a "
+                                     "longer time needs fewer bytes for each sample"},
+                            &GatherSpec::time, config::DurationRule{kLeastGather, kMostGather}),
+          field<GatherSpec>({.name = "samples",
+                             .fallback = "`1000`",
+                             .text = "of one message; then it is queued immediately"},
+                            &GatherSpec::samples, config::WholeRule{1, 2'000}),
+      });
+  return rows;
+}
+
+const Rows<PayloadSpec>& payload_rows() {
+  static const Rows<PayloadSpec> rows(
+      "payload", "'payload'",
+      {
+          field<PayloadSpec>({.name = "format",
+                              .fallback = "`protobuf`",
+                              .text = "of all messages and of the catalogue"},
+                             &PayloadSpec::format, config::ChoiceRule<PayloadFormat>{kFormats}),
+          field<PayloadSpec>(
+              {.name = "compress", .fallback = "`none`", .text = "of messages with samples"},
+              &PayloadSpec::compress, config::ChoiceRule<bool>{kCompressions}),
+      });
+  return rows;
+}
+
+const Rows<StreamSpec>& stream_rows() {
+  static const Rows<StreamSpec> rows(
+      "streams", "'streams'",
+      {
+          field<StreamSpec>({.name = "create",
+                             .fallback = "`false`",
+                             .text = "creates the streams and the bucket if they are missing; "
+                                     "existing ones are not changed"},
+                            &StreamSpec::create, config::FlagRule{}),
+          field<StreamSpec>({.name = "replicas",
+                             .fallback = "`1`",
+                             .text = "servers that store each message; 3 in a cluster"},
+                            &StreamSpec::replicas, config::WholeRule{1, 5}),
+          field<StreamSpec>({.name = "keep",
+                             .fallback = "`forever`",
+                             .text = "how long the streams keep a message"},
+                            &StreamSpec::keep, config::KeepRule{}),
+          field<StreamSpec>({.name = "duplicates",
+                             .fallback = "`10min`",
+                             .text = "how long the server recognises a repeated message"},
+                            &StreamSpec::duplicates,
+                            config::DurationRule{std::chrono::seconds{1}, kMostDuplicates}),
+      });
+  return rows;
+}
+
+const Rows<JetStreamKeys>& jetstream_rows() {
+  const auto text = [](const char* name, const char* fallback, const char* what) {
+    return config::Field<JetStreamKeys>{
+        {.name = name, .fallback = fallback, .text = what, .schema = "{}"}};
+  };
+  const auto outlet = [](auto member) {
+    return [member](JetStreamKeys & keys) -> auto& { return keys.outlet.*member; };
+  };
+  static const Rows<JetStreamKeys> rows(
+      "jetstream", "'jetstream'",
+      {
+          text("servers", "`[nats://127.0.0.1:4222]`",
+               "of one cluster, each `nats://HOST:PORT` or `tls://HOST:PORT`; off this machine "
+               "with TLS"),
+          text("authority", "those of the system",
+               "a PEM file with the authorities of the servers' certificates"),
+          text("certificate", "none", "a PEM file with the certificate of this client"),
+          text("key", "none", "a PEM file with its private key"),
+          field<JetStreamKeys>({.name = "user", .fallback = "none", .text = "with `password-file`"},
+                               outlet(&JetStreamSpec::user), config::TextRule{256}),
+          text("password-file", "none", "a file whose first line is the password"),
+          text("token-file", "none", "a file whose first line is the token"),
+          text("credentials", "none", "a file with a JWT and its key, as `nsc` makes it"),
+          field<JetStreamKeys>({.name = "without-tls",
+                                .fallback = "`false`",
+                                .text = "allows `nats://` off this machine: values and the login "
+                                        "are readable in the network"},
+                               outlet(&JetStreamSpec::without_tls), config::FlagRule{}),
+          field<JetStreamKeys>({.name = "acknowledgement",
+                                .fallback = "`5s`",
+                                .text = "a message without an acknowledgement in this time is sent "
+                                        "again"},
+                               outlet(&JetStreamSpec::acknowledgement),
+                               config::DurationRule{kLeastWait, kMostWait}),
+          field<JetStreamKeys>(
+              {.name = "in-flight",
+               .fallback = "`256`",
+               .text = "messages that wait for an acknowledgement; one of each device"},
+              [](JetStreamKeys & keys) -> auto& { return keys.send.in_flight; },
+              config::WholeRule{1, 4'096}),
+          field<JetStreamKeys>(
+              {.name = "max-rate",
+               .fallback = "no limit",
+               .text = "of the messages, without TLS and TCP"},
+              [](JetStreamKeys & keys) -> auto& { return keys.send.max_rate; }, kRate),
+          field<JetStreamKeys>({.name = "sample-stream",
+                                .fallback = "`FIELDCAST`",
+                                .text = "the name, if it is created"},
+                               outlet(&JetStreamSpec::sample_stream), config::NameRule{}),
+          field<JetStreamKeys>({.name = "alarm-stream",
+                                .fallback = "`FIELDCAST_ALARMS`",
+                                .text = "the name, if it is created"},
+                               outlet(&JetStreamSpec::alarm_stream), config::NameRule{}),
+          field<JetStreamKeys>({.name = "bucket",
+                                .fallback = "`fieldcast-catalogue`",
+                                .text = "the key-value bucket of the catalogues"},
+                               outlet(&JetStreamSpec::bucket), config::NameRule{}),
+          text("streams", "used, not created", "how missing streams are created"),
+      });
+  return rows;
+}
+
+std::vector<DocumentedKey> documented_keys() {
+  std::vector<DocumentedKey> all;
+  const auto add = [&all](const std::string& prefix, const config::RowTable& table) {
+    for (const config::Key& row : table.rows)
+      all.push_back({prefix + std::string(row.name), row.fallback, row.form, row.text});
+  };
+  add("", forward_rows());
+  add("queue.", queue_rows());
+  add("gather.", gather_rows());
+  add("payload.", payload_rows());
+  add("jetstream.", jetstream_rows());
+  add("jetstream.streams.", stream_rows());
+  return all;
+}
+
+}  // namespace fieldcast::forward
