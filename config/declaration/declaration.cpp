@@ -47,7 +47,7 @@ constexpr std::pair<std::string_view, declared::Block> kBlocks[] = {
 constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
     {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
 constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {
-    {"octal", 8}, {"decimal", 10}, {"hexadecimal", 16}};
+    {"octal", 8}, {"decimal", 10}, {"hexadecimal", 16}, {"channel", declared::kChannelBase}};
 
 class DeclarationReader {
  public:
@@ -282,6 +282,7 @@ class DeclarationReader {
       check_refusal(declaration_, operations_, refusal, faults_);
       declaration_.refusals.push_back(refusal.frame());
     };
+    if (const Node* codes = map.find("codes")) read_codes(*codes);
     const Node* frames = map.find("frames");
     if (frames != nullptr && map.find("frame") != nullptr)
       map.fault("frames", "a refusal is one frame and several", "one of frame, frames");
@@ -292,7 +293,6 @@ class DeclarationReader {
       if (const Node* frame = map.require("frame", "the fields of a refusal"))
         read_refusal(*frame, "frame");
     }
-    if (const Node* codes = map.find("codes")) read_codes(*codes);
     const Node* busy = map.find("busy");
     if (busy == nullptr) return;
     if (!is_list(*busy, "busy", 0, kAnyCount, "a list of codes", faults_, as_list(*busy))) return;

@@ -139,6 +139,11 @@ class OperationCheck {
     for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
       const Field& counted = fields.fields[i];
       const auto size = declared::size_of(fields, i, i + 1, area_.item_bits, operation_.max_count);
+      if (counted.word.variable || !counted.separator.empty())
+        faults_.add(draft.of_position,
+                    fmt::format("a length counts '{}', which has separators or a variable width",
+                                counted.name),
+                    "fields of fixed width");
       if (draft.field.counts == declared::Counts::kItems && counted.kind != FieldKind::kItems)
         faults_.add(draft.of_position, "a length in items counts a field without items",
                     "of: the field that is: items");

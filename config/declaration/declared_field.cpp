@@ -21,7 +21,8 @@ constexpr std::size_t kMaxRates = 32;
 constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex},
                                                                 {"decimal", Notation::kDecimal},
-                                                                {"bcd", Notation::kBcd}};
+                                                                {"bcd", Notation::kBcd},
+                                                                {"channel", Notation::kChannel}};
 constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
                                                          {"little-endian", true}};
 constexpr std::pair<std::string_view, bool> kOver[] = {{"characters", false}, {"bytes", true}};
@@ -199,10 +200,11 @@ class FieldReader {
     const bool bcd = field.word.notation == Notation::kBcd;
     const bool in_bytes = map_.read("bytes", bytes, WholeRule{1, bcd ? 9 : 8});
     const bool in_bits = map_.read("bits", bits, WholeRule{1, 64});
-    const bool in_digits = map_.read(
-        "digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
+    const bool in_digits =
+        map_.read("digits", digits, WholeRule{1, field.word.notation == Notation::kHex ? 16 : 18});
     read_text();
-    map_.read("variable", field.variable, FlagRule{});
+    const bool is_text = field.text_size != 0 || map_.has_or_means("text");
+    map_.read("variable", is_text ? field.variable : field.word.variable, FlagRule{});
     draft_.width_position = map_.has("bytes")  ? map_.position_of("bytes")
                             : map_.has("bits") ? map_.position_of("bits")
                                                : map_.position_of("digits");
@@ -219,6 +221,35 @@ class FieldReader {
         static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
     if (in_digits) set_digits(digits);
     if (bcd) set_bcd(bytes == 0 ? 1 : bytes);
+    read_ascii_number();
+  }
+
+  // Digits of variable width, their sign, and the characters between items.
+  void read_ascii_number() {
+    Field& field = draft_.field;
+    const bool decimal = field.word.notation == Notation::kDecimal;
+    if (field.word.notation == Notation::kChannel && field.kind != FieldKind::kFirst &&
+        field.kind != FieldKind::kLast)
+      map_.fault("as", "'as: channel' is for the number of an item", "is: first, is: last");
+    if (const Node* separator = map_.find("separator")) {
+      field.separator = read_characters(*separator, "separator");
+      if (field.packed)
+        map_.fault("separator", "bits that share a byte have no separator", "on: 1, off: 0");
+    }
+    for (const auto* key : {"add", "xor", "order"}) {
+      if ((field.word.variable || map_.has("separator")) && map_.has(key))
+        map_.fault(key, fmt::format("'{}' has no meaning with 'variable' or 'separator'", key),
+                   fmt::format("no '{}'", key));
+    }
+    if (!field.word.variable) return;
+    field.word.little_endian = false;
+    if (field.kind == FieldKind::kItems && !map_.has("separator"))
+      map_.fault("variable", "items of variable width have no separator", "separator: \" \"");
+    bool is_signed = false;
+    const bool bits = field.kind == FieldKind::kItems && item_bits_ == 1;
+    if (decimal && !bits && map_.read("signed", is_signed, FlagRule{}) && is_signed)
+      field.word.sign_bits =
+          static_cast<std::uint8_t>(field.kind == FieldKind::kItems ? item_bits_ : field.bits);
   }
 
   void set_bcd(unsigned bytes) {
@@ -250,14 +281,17 @@ class FieldReader {
     if (widths > 1)
       faults_.add(draft_.position, "the width of a field is given twice",
                   "one of bytes, bits, digits, text");
-    if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
-      map_.fault("variable", "only a text can be variable",
-                 "text: the most characters that it has");
+    const bool ascii =
+        field.word.notation != Notation::kBinary && field.word.notation != Notation::kBcd;
+    if (field.word.variable && (!ascii || map_.has("bits")))
+      map_.fault("variable", "only a text and ASCII digits can be variable",
+                 "text: the most characters that it has, or digits: the most digits");
     if (in_digits &&
         (field.word.notation == Notation::kBinary || field.word.notation == Notation::kBcd))
       map_.fault("digits", "a binary field has no digits", "as: hex or as: decimal", "bytes");
-    if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
-        field.text_size == 0)
+    const bool decimal =
+        field.word.notation == Notation::kDecimal || field.word.notation == Notation::kChannel;
+    if (!in_digits && decimal && field.text.empty() && field.text_size == 0)
       faults_.add(draft_.position, "a decimal field does not say how many digits it has",
                   "digits: 1 to 18");
   }
@@ -343,9 +377,9 @@ class FieldReader {
     read_number("ok", field.number);
     read_number("fill", field.number);
     map_.read("signed", field.is_signed, FlagRule{});
-    if (field.kind == FieldKind::kItems && field.is_signed && field.word.notation != Notation::kBcd)
+    if (field.kind == FieldKind::kItems && field.is_signed && field.word.sign_bits == 0)
       map_.fault("signed", "'signed' has no meaning for these items",
-                 "as: bcd, or a signed type of the channel");
+                 "as: bcd, as: decimal with variable: true, or a signed type of the channel");
     map_.read("counts", field.counts, ChoiceRule<declared::Counts>{kCounts});
     map_.read("add", field.transform.add, WholeRule{0, 255});
     map_.read("xor", field.transform.exor, WholeRule{0, 255});

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "config/document/scalars.hpp"
+#include "core/protocol/declared/frame.hpp"
 
 namespace fieldcast::config {
 
@@ -27,10 +28,10 @@ constexpr std::string_view kRound[] = {"name", "command", "request",  // and the
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "frames", "codes", "busy"};
 constexpr std::string_view kField[] = {
-    "name", "constant", "is",       "bytes", "bits",   "digits",     "as",  "order",
-    "plus", "times",    "of",       "kind",  "over",   "on",         "off", "ok",
-    "text", "variable", "signed",   "fill",  "counts", "complement", "add", "xor",
-    "key",  "until",    "optional", "start", "after",  "rates"};
+    "name", "constant", "is",       "bytes", "bits",   "digits",     "as",       "order",
+    "plus", "times",    "of",       "kind",  "over",   "on",         "off",      "ok",
+    "text", "variable", "signed",   "fill",  "counts", "complement", "add",      "xor",
+    "key",  "until",    "optional", "start", "after",  "rates",      "separator"};
 constexpr std::string_view kGroup[] = {"repeat", "fields"};
 
 }  // namespace
@@ -174,6 +175,31 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
   } else {
     return;
   }
+  frame.good = false;
+}
+
+// Digits of variable width, and items between separators, end at the constant behind them.
+void check_number_end(DraftFrame& frame, std::size_t at, FaultList& faults) {
+  const Field& field = frame.fields[at].field;
+  const std::string& separator = field.separator;
+  if (!field.word.variable && separator.empty()) return;
+  const auto continues = [&](char c) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    return field.word.variable &&
+           declared::could_begin(ByteView(&byte, 1), {.notation = field.word.notation});
+  };
+  const DraftField* next = at + 1 < frame.fields.size() ? &frame.fields[at + 1] : nullptr;
+  const bool constant = next != nullptr && next->field.kind == FieldKind::kConstant &&
+                        !next->field.variable && !next->shares;
+  const char end = constant ? static_cast<char>(constant_characters(next->field)[0]) : '0';
+  if (constant && !continues(end) &&
+      (separator.empty() || (!continues(separator[0]) && separator[0] != end)))
+    return;
+  faults.add(frame.fields[at].position,
+             fmt::format("no character shows where '{}' ends", field.name),
+             separator.empty() ? "a constant behind it that does not begin with a digit"
+                               : "a separator and a constant behind the items that begin with "
+                                 "different characters, and not with digits");
   frame.good = false;
 }
 
@@ -335,7 +361,10 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
   const bool readable = frame.good;
   if (readable) Sharing(frame, defaults.high_first, faults).run();
   // Names in fields with faults may be incomplete.
-  for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
+  for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) {
+    resolve_span(frame, i, faults);
+    check_number_end(frame, i, faults);
+  }
   for (std::size_t i = 0; i < frame.fields.size() && frame.good; ++i) {
     if (declared::scales(frame.fields[i].field)) resolve_scaled(frame, i, faults);
   }

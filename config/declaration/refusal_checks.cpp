@@ -42,15 +42,31 @@ std::vector<std::string> marks_of(const DraftFrame& frame) {
   return all;
 }
 
-bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
-                  const DraftFrame& response, const DeclaredArea& area) {
+// Whether the refusal begins with hexadecimal codes whose first digit is a letter, and the response
+// with decimal digits.
+bool begins_with_letter(const Declaration& declaration, const DraftFrame& refusal,
+                        const DraftFrame& response) {
+  const Field &code = refusal.fields.front().field, &first = response.fields.front().field;
+  const std::uint64_t lowest = std::uint64_t{0xA} << 4 * (code.word.characters - 1u);
+  return first.word.notation == declared::Notation::kDecimal && first.text.empty() &&
+         first.text_size == 0 && code.kind == FieldKind::kError &&
+         code.word.notation == declared::Notation::kHex && !declaration.codes.empty() &&
+         declaration.codes.begin()->first >= lowest;
+}
+
+bool are_distinct(const Declaration& declaration, const DraftFrame& refusal,
+                  const DraftOperation& draft, const DraftFrame& response,
+                  const DeclaredArea& area) {
   const auto size = declared::size_of(refusal.frame(), 16, 0);
   const auto response_size = [&](std::uint32_t count) {
     return declared::size_of(response.frame(), area.item_bits, count);
   };
-  return size < response_size(draft.operation.min_count) ||
+  const bool variable = std::ranges::any_of(
+      response.fields, [](const DraftField& each) { return each.field.word.variable; });
+  return (!variable && size < response_size(draft.operation.min_count)) ||
          size > response_size(draft.operation.max_count) ||
-         marks_of(refusal) != marks_of(response) || response.find(FieldKind::kError) != nullptr;
+         marks_of(refusal) != marks_of(response) || response.find(FieldKind::kError) != nullptr ||
+         begins_with_letter(declaration, refusal, response);
 }
 
 }  // namespace
@@ -103,13 +119,14 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
     if (!draft.good || !draft.response.good) continue;
     const DeclaredArea& area = declaration.areas[draft.operation.area];
     const auto distinct = [&](const DraftFrame& response) {
-      return !response.good || are_distinct(refusal, draft, response, area);
+      return !response.good || are_distinct(declaration, refusal, draft, response, area);
     };
     if (!distinct(draft.response) || !std::ranges::all_of(draft.others, distinct))
       faults.add(refusal.position,
                  fmt::format("a refusal cannot be distinguished from a response of '{}'",
                              draft.operation.name),
-                 "a different length, constant or command, or is: error in the response too");
+                 "a different length, constant or command, is: error in the response too, or "
+                 "codes that begin with A to F before a decimal response");
   }
 }
 

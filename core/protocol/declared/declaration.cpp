@@ -11,6 +11,7 @@ namespace fieldcast::declared {
 namespace {
 
 std::string spelt(std::uint32_t number, int base) {
+  if (base == kChannelBase) number = number / 16 * 100 + number % 16, base = 10;
   char text[16];
   const auto [end, error] = std::to_chars(text, text + sizeof text, number, base);
   std::transform(text, end, text, [](char c) {
@@ -79,7 +80,7 @@ class Parser {
  private:
   bool whole_begins(const DeclaredArea& area) const {
     const auto digits = at_.substr(area.prefix.size());
-    return whole_number(digits.substr(0, digits.find('.')), area.base).has_value();
+    return area_number(area, digits.substr(0, digits.find('.'))).has_value();
   }
   ParsedOrFault fault(std::string what, std::string suggestion = {}) const {
     return AddressFaults{allowed(declaration_)}(std::move(what), std::move(suggestion));
@@ -111,7 +112,7 @@ class Parser {
 
   ParsedOrFault numbered(AreaIndex index, const DeclaredArea& area, std::string_view rest) const {
     const auto dot = rest.find('.');
-    const auto number = whole_number(rest.substr(0, dot), area.base);
+    const auto number = area_number(area, rest.substr(0, dot));
     const std::uint32_t last = area.origin + area.items - 1;
     if (!number || *number < area.origin || *number > last) {
       return fault(in_quotes(at_) + " is outside " + area.name,
@@ -161,6 +162,14 @@ class Parser {
 bool Operation::echoes() const {
   return write && request.escape == response.escape && request.escaped == response.escaped &&
          std::ranges::equal(request.fields, response.fields, can_have_same_bytes);
+}
+
+std::optional<std::uint32_t> area_number(const DeclaredArea& area, std::string_view digits) {
+  const bool channels = area.base == kChannelBase;
+  const auto number = whole_number(digits, channels ? 10 : area.base);
+  if (!channels || !number || *number == UINT32_MAX) return number;
+  if (*number % 100 > 15) return std::nullopt;
+  return *number / 100 * 16 + *number % 100;
 }
 
 std::string item_text(const DeclaredArea& area, std::uint32_t item) {

@@ -26,6 +26,9 @@ inline constexpr std::size_t kMaxFrame = 4096;
 // Of the place of a scaled value: a sign, 20 digits and "e-128".
 inline constexpr std::uint16_t kScaledCharacters = 26;
 
+// Decimal numbers whose last two digits are 00 to 15; see Notation::kChannel.
+inline constexpr std::uint8_t kChannelBase = 100;
+
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
   kAddress,   // device address; make() sets `text` if it is written as characters
@@ -100,6 +103,7 @@ struct Field {
   Check check;
   std::uint64_t on = 1, off = 0;  // values of a bit that has its own word
   bool packed = false;            // eight bit items per byte, the first lowest
+  std::string separator;          // characters between two items
   std::uint16_t place = 0;        // of a value: its first item in the record
   // Of a rate in the response before the request: baud by code; `number` is the usual code.
   std::map<std::uint64_t, std::uint32_t> rates;
@@ -154,7 +158,7 @@ struct Place {
 struct DeclaredArea {
   std::string name;
   std::string prefix;        // before the number: "holding:", "D"
-  std::uint8_t base = 10;    // of the number: 8, 10 or 16
+  std::uint8_t base = 10;    // of the number: 8, 10, 16 or kChannelBase
   std::uint32_t origin = 0;  // number of item 0
   std::uint8_t item_bits = 16;
   std::uint32_t items = 65536;
@@ -249,6 +253,10 @@ enum class Sender : std::uint8_t { kUnknown, kBridge, kDevice };
                                                 bool boundary);
 
 [[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
+
+// The number of an item by its digits, in the base of the area. Empty if it is not such a number.
+[[nodiscard]] std::optional<std::uint32_t> area_number(const DeclaredArea& area,
+                                                       std::string_view digits);
 
 // `holding:100`. REQUIRES: item < area.items.
 [[nodiscard]] std::string item_text(const DeclaredArea& area, std::uint32_t item);

@@ -21,7 +21,7 @@ std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t 
                                  : field.word.characters);
   }
   if (field.text_size != 0) return field.text_size;
-  return field.opens ? field.word.characters : 0;
+  return field.opens ? most_characters(field.word) : 0;
 }
 
 std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_bits,
@@ -87,7 +87,8 @@ std::size_t characters_of_count(const Field& field, const Field& length, std::ui
 
 std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t count) {
   if (item_bits == 1 && field.packed) return (count + 7) / 8 * field.word.characters;
-  return std::size_t{count} * field.word.characters;
+  const std::size_t separators = count == 0 ? 0 : count - 1;
+  return count * most_characters(field.word) + separators * field.separator.size();
 }
 
 std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsigned item_bits,
@@ -136,8 +137,8 @@ std::optional<std::size_t> mark_behind(const Frame& frame, std::size_t at) {
       const bool among_digits = i > at + 1 && hex_digit(constant_characters(field)[0]) >= 0;
       return among_digits ? std::nullopt : std::optional(i);
     }
-    if (!digits || field.kind == FieldKind::kItems || field.text_size != 0 || !field.text.empty() ||
-        !field.key.empty())
+    if (!digits || field.word.variable || field.kind == FieldKind::kItems || field.text_size != 0 ||
+        !field.text.empty() || !field.key.empty())
       return std::nullopt;
   }
   return std::nullopt;
@@ -161,6 +162,7 @@ void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView i
   }
   const std::size_t width = image_bytes(item_bits, 1);
   for (std::size_t at = 0; at < items.size(); at += width) {
+    if (at != 0) out.insert(out.end(), field.separator.begin(), field.separator.end());
     std::uint64_t item = 0;
     for (std::size_t i = at; i < at + width; ++i) item = item << 8 | items[i];
     append_word(out, field.word, item_bits == 1 ? (item != 0 ? field.on : field.off) : item);
@@ -171,9 +173,11 @@ std::optional<Bytes> read_items(ByteView characters, const Field& field, unsigne
                                 std::uint32_t count) {
   Bytes items;
   const bool packed = item_bits == 1 && field.packed;
-  for (std::size_t at = 0; at < characters.size(); at += field.word.characters) {
-    const auto word = read_word(characters.subspan(at, field.word.characters), field.word);
-    if (!word) return std::nullopt;
+  const std::size_t width = field.word.variable ? characters.size() : field.word.characters;
+  for (std::size_t at = 0; at < characters.size(); at += width) {
+    const auto word = read_word(characters.subspan(at, width), field.word);
+    // Decimal digits can exceed the bits of an item.
+    if (!word || (item_bits > 1 && *word > UINT64_MAX >> (64 - item_bits))) return std::nullopt;
     if (packed) {
       for (unsigned bit = 0; bit < 8 && items.size() < count; ++bit)
         items.push_back(static_cast<std::uint8_t>(*word >> bit & 1));

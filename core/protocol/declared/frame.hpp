@@ -93,7 +93,7 @@ struct MatchResult {
   return at;
 }
 
-// Empty if a character is invalid.
+// Empty if a character is invalid. `characters`: without separators; of variable width: one item.
 void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items);
 [[nodiscard]] std::optional<Bytes> read_items(ByteView characters, const Field& field,
                                               unsigned item_bits, std::uint32_t count);

@@ -7,6 +7,12 @@
 namespace fieldcast::declared {
 namespace {
 
+// REQUIRES: bytes.size() >= text.size().
+bool begins_with(ByteView bytes, std::string_view text) {
+  return std::equal(text.begin(), text.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
 class Matcher {
  public:
   Matcher(const Frame& frame, ByteView bytes, const FrameContext& context, std::size_t record_items)
@@ -50,7 +56,8 @@ class Matcher {
     meant_.clear();
     if (field.transform) meant_ = field.transform.meant(bytes_.subspan(offset_));
     transformed_ = static_cast<bool>(field.transform);
-    if (field.kind == FieldKind::kItems) return items(field);
+    if (field.kind == FieldKind::kItems)
+      return field.separator.empty() ? items(field) : separated_items(field);
     if (!field.key.empty()) return block();
     if (field.text_size != 0) return text_value(field);
     if (!field.text.empty()) return text_constant(field);
@@ -74,8 +81,9 @@ class Matcher {
   ByteView rest() const { return transformed_ ? ByteView(meant_) : bytes_.subspan(offset_); }
 
   bool open(const Field& field) {
-    if (lacks(field.word.characters)) return begins(field) ? part() : none();
-    const auto word = read_word(rest().first(field.word.characters), field.word);
+    width_ = width_of(rest(), field.word);
+    if (lacks(width_ + (field.word.variable ? 1 : 0))) return begins(field) ? part() : none();
+    const auto word = read_word(rest().first(width_), field.word);
     if (!word) return none();
     word_ = *word;
     // Decimal digits can exceed the bits of their fields.
@@ -83,11 +91,11 @@ class Matcher {
     return true;
   }
   static unsigned bits_of_word(const Field& field) {
-    return field.word.notation == Notation::kDecimal || field.word.notation == Notation::kBcd
-               ? 64u
-               : field.word.characters * (field.word.notation == Notation::kHex ? 4u : 8u);
+    if (field.word.notation == Notation::kHex) return field.word.characters * 4u;
+    return field.word.notation == Notation::kBinary ? field.word.characters * 8u : 64u;
   }
   bool begins(const Field& field) const {
+    if (field.word.variable) return rest().size() <= most_characters(field.word);
     if (!could_begin(rest(), field.word)) return false;
     const bool fixed = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand;
     if (!fixed || field.bits != bits_of_word(field)) return true;
@@ -126,7 +134,7 @@ class Matcher {
         break;
       default: break;
     }
-    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += width_;
     return true;
   }
 
@@ -184,6 +192,33 @@ class Matcher {
   }
   bool could_begin_items(const Field& field) const { return could_begin(rest(), field.word); }
 
+  // Items between separators; a number of variable width ends at the first other character.
+  bool separated_items(const Field& field) {
+    if (context_.count == 0) return none();
+    ByteView left = rest();
+    Bytes items;
+    for (std::uint32_t i = 0; i < context_.count; ++i) {
+      const std::string_view separator = i == 0 ? std::string_view{} : field.separator;
+      const std::size_t given = std::min(separator.size(), left.size());
+      if (!begins_with(left, separator.substr(0, given))) return none();
+      left = left.subspan(given);
+      const std::size_t width = width_of(left, field.word);
+      if (given < separator.size() || left.size() < width + (field.word.variable ? 1 : 0)) {
+        const bool fits = field.word.variable ? left.size() <= most_characters(field.word)
+                                              : could_begin(left, field.word);
+        return fits ? part() : none();
+      }
+      const auto item = read_items(left.first(width), field, context_.item_bits, 1);
+      if (!item || item->empty()) return none();
+      append(items, *item);
+      left = left.subspan(width);
+    }
+    result_.mismatch |= context_.written && items != context_.items;
+    result_.items = std::move(items);
+    offset_ = bytes_.size() - left.size();
+    return true;
+  }
+
   // An optional constant is absent if other characters follow, or if the frame can end before it.
   bool is_absent(const Field& field) const {
     const std::size_t size = std::min(field.text.size(), rest().size());
@@ -191,18 +226,14 @@ class Matcher {
       return std::all_of(fields_.begin() + static_cast<std::ptrdiff_t>(at_), fields_.end(),
                          [](const Field& each) { return !each.text.empty() && each.variable; });
     }
-    return !std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
-                       field.text.begin(),
-                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
+    return !begins_with(rest(), std::string_view(field.text).substr(0, size));
   }
 
   // A constant, or an address that is text.
   bool text_constant(const Field& field) {
     if (field.variable && is_absent(field)) return true;
     const std::size_t size = std::min(field.text.size(), rest().size());
-    if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
-                    field.text.begin(),
-                    [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); })) {
+    if (!begins_with(rest(), std::string_view(field.text).substr(0, size))) {
       if (field.kind != FieldKind::kAddress) return none();
       result_.foreign = true;
     }
@@ -346,6 +377,7 @@ class Matcher {
   std::size_t at_ = 0;                     // index of the field
   std::size_t offset_ = 0;                 // of its first character
   std::uint64_t word_ = 0;                 // contains the field
+  std::size_t width_ = 0;                  // characters of word_
   std::optional<std::size_t> given_size_;  // characters of the field, from its length field
   std::size_t elastic_at_ = 0;
 };

@@ -127,10 +127,39 @@ class Reader {
       const auto end = std::search(rest.begin(), rest.end(), mark.begin(), mark.end());
       if (end != rest.end()) return static_cast<std::size_t>(end - rest.begin());
     }
+    if (field.kind == FieldKind::kItems && !field.separator.empty())
+      return separated(field, at).size;
+    if (field.word.variable)
+      return at < bytes_.size() ? width_of(bytes_.subspan(at), field.word) : 1;
     if (field.kind == FieldKind::kItems || field.variable) return elastic_;
     if (!field.text.empty()) return field.text.size();
     if (field.text_size != 0) return field.text_size;
     return field.opens ? field.word.characters : 0;
+  }
+  struct Separated {
+    std::size_t size = 0;
+    std::string text;   // the items with blanks between them
+    bool valid = true;  // each is a number
+  };
+  // The items from `at` on, as far as a separator follows one.
+  Separated separated(const Field& field, std::size_t at) const {
+    Separated items;
+    for (std::size_t end = std::min(at, bytes_.size());; end += field.separator.size()) {
+      const ByteView left = bytes_.subspan(end);
+      const std::size_t width = std::min(width_of(left, field.word), left.size());
+      items.valid = items.valid && width >= (field.word.variable ? 1 : field.word.characters) &&
+                    read_word(left.first(width), field.word);
+      items.text += (items.text.empty() ? "" : " ") +
+                    std::string(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(width));
+      end += width;
+      items.size = end - std::min(at, bytes_.size());
+      const ByteView behind = bytes_.subspan(end);
+      const bool more =
+          behind.size() >= field.separator.size() &&
+          std::equal(field.separator.begin(), field.separator.end(), behind.begin(),
+                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+      if (!more) return items;
+    }
   }
   void place() {
     starts_.clear();
@@ -191,6 +220,11 @@ class Reader {
                          "the frame ends before it is whole");
     }
     const Bytes part = frame_.fields[opener].transform.meant(bytes_.subspan(at, size));
+    if (field.kind == FieldKind::kItems && !field.separator.empty()) {
+      const Separated items = separated(field, at);
+      return add(at, size, field.name, items.valid ? items.text : to_hex(part),
+                 items.valid ? "" : "an item is not a number");
+    }
     if (field.kind == FieldKind::kItems)
       return add(at, size, field.name, items(field, part),
                  size % field.word.characters == 0 ? "" : "the last item is not whole");
@@ -214,7 +248,10 @@ class Reader {
       return add(at, size, field.name, field.kind == FieldKind::kUnused ? spelt(text) : text);
     }
     const auto word = read_word(part, field.word);
-    if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
+    if (!word)
+      return add(
+          at, size, field.name, to_hex(part),
+          field.word.variable ? "not a number of this field" : "a character that is no digit");
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
   }
 

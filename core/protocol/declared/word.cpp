@@ -55,7 +55,8 @@ std::uint64_t base_of(Notation notation) {
   switch (notation) {
     case Notation::kBinary: return 256;
     case Notation::kHex: return 16;
-    case Notation::kDecimal: return 10;
+    case Notation::kDecimal:
+    case Notation::kChannel: return 10;
     case Notation::kBcd: return 100;
   }
   return 256;
@@ -67,16 +68,48 @@ std::size_t column(const Word& word, std::size_t power) {
   return word.notation == Notation::kHex ? power ^ 1u : power;
 }
 
+bool has_sign(ByteView characters, const Word& word) {
+  return word.sign_bits != 0 && !characters.empty() &&
+         (characters[0] == '-' || characters[0] == '+');
+}
+
+std::optional<std::uint64_t> read_variable(ByteView characters, const Word& word) {
+  const bool negative = has_sign(characters, word) && characters[0] == '-';
+  if (has_sign(characters, word)) characters = characters.subspan(1);
+  if (characters.empty() || characters.size() > word.characters) return std::nullopt;
+  const Word digits{word.notation, static_cast<std::uint8_t>(characters.size())};
+  const auto number = read_word(characters, digits);
+  if (!number || word.sign_bits == 0) return number;
+  const std::uint64_t lowest = std::uint64_t{1} << (word.sign_bits - 1);
+  if (*number > (negative ? lowest : lowest - 1)) return std::nullopt;
+  return negative ? (0 - *number) & (UINT64_MAX >> (64 - word.sign_bits)) : *number;
+}
+
 }  // namespace
 
 std::uint64_t largest(const Word& word) {
-  if (word.notation == Notation::kDecimal || word.notation == Notation::kBcd) {
+  if (word.notation != Notation::kBinary && word.notation != Notation::kHex) {
     std::uint64_t limit = 1;
     for (unsigned i = 0; i < word.characters; ++i) limit *= base_of(word.notation);
-    return (word.sign_bits != 0 ? limit / 10 * 8 : limit) - 1;
+    if (word.notation == Notation::kChannel) return limit < 100 ? limit - 1 : limit / 100 * 16 - 1;
+    const bool sign_in_digit = word.notation == Notation::kBcd && word.sign_bits != 0;
+    return (sign_in_digit ? limit / 10 * 8 : limit) - 1;
   }
   const unsigned bits = word.characters * (word.notation == Notation::kHex ? 4u : 8u);
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
+}
+
+std::size_t most_characters(const Word& word) {
+  return word.characters + (word.variable && word.sign_bits != 0 ? 1u : 0u);
+}
+
+std::size_t width_of(ByteView characters, const Word& word) {
+  if (!word.variable) return word.characters;
+  const std::size_t sign = has_sign(characters, word) ? 1 : 0;
+  const auto end = std::ranges::find_if_not(characters.subspan(sign), [&](std::uint8_t c) {
+    return could_begin(ByteView(&c, 1), {.notation = word.notation});
+  });
+  return static_cast<std::size_t>(end - characters.begin());
 }
 
 void append_word(Bytes& out, const Word& word, std::uint64_t number) {
@@ -85,6 +118,7 @@ void append_word(Bytes& out, const Word& word, std::uint64_t number) {
   const std::size_t at = out.size();
   const bool negative = word.sign_bits != 0 && (number >> (word.sign_bits - 1) & 1u) != 0;
   if (negative) number = (0 - number) & (UINT64_MAX >> (64 - word.sign_bits));
+  if (word.notation == Notation::kChannel) number = number / 16 * 100 + number % 16;
   out.resize(at + word.characters);
   for (std::size_t power = 0; power < word.characters; ++power, number /= base) {
     const auto digit = static_cast<std::uint8_t>(number % base);
@@ -93,10 +127,17 @@ void append_word(Bytes& out, const Word& word, std::uint64_t number) {
                                     : base == 256 ? digit
                                                   : static_cast<std::uint8_t>(kDigits[digit]);
   }
-  if (negative) out[at + column(word, word.characters - 1u)] |= 0x80u;
+  if (word.variable) {
+    const auto digits = out.begin() + static_cast<std::ptrdiff_t>(at);
+    out.erase(digits, std::find_if(digits, out.end() - 1, [](auto c) { return c != '0'; }));
+    if (negative) out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), '-');
+  } else if (negative) {
+    out[at + column(word, word.characters - 1u)] |= 0x80u;
+  }
 }
 
 std::optional<std::uint64_t> read_word(ByteView characters, const Word& word) {
+  if (word.variable) return read_variable(characters, word);
   if (!could_begin(characters, word)) return std::nullopt;
   const std::uint64_t base = base_of(word.notation);
   std::uint64_t number = 0;
@@ -108,6 +149,10 @@ std::optional<std::uint64_t> read_word(ByteView characters, const Word& word) {
                                 : base == 256                   ? c
                                               : static_cast<std::uint64_t>(hex_digit(c));
     number = number * base + digit;
+  }
+  if (word.notation == Notation::kChannel) {
+    if (number % 100 > 15) return std::nullopt;
+    number = number / 100 * 16 + number % 100;
   }
   return negative ? (0 - number) & (UINT64_MAX >> (64 - word.sign_bits)) : number;
 }

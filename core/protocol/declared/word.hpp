@@ -55,29 +55,42 @@ struct ByteTransform {
   friend bool operator==(const ByteTransform&, const ByteTransform&) = default;
 };
 
-// A number on the wire: binary bytes, packed decimal digits, or a fixed number of ASCII digits.
-// Pure functions.
+// A number on the wire: binary bytes, packed decimal digits, or ASCII digits. Pure functions.
 enum class Notation : std::uint8_t {
   kBinary,
   kHex,  // upper-case digits, two per byte
   kDecimal,
   kBcd,  // two decimal digits in each byte, the higher in the upper half
+  // Decimal digits; the last two are the place in a channel of 16, those before it the channel.
+  kChannel,
 };
 
 struct Word {
   Notation notation = Notation::kBinary;
   std::uint8_t characters = 1;  // 1..8 bytes, 1..9 of BCD, 1..16 hex digits, 1..18 decimal digits
   bool little_endian = false;   // lowest byte first, also for pairs of hex digits
-  // BCD: the highest bit is a sign; the number is a two's complement of so many bits. 0: no sign.
+  // The number is a two's complement of so many bits: BCD has its sign in the highest bit, digits
+  // of variable width have '-' before them. 0: no sign.
   std::uint8_t sign_bits = 0;
+  // ASCII digits without leading zeros, at most `characters` of them. A received number may have
+  // leading zeros and, with a sign, '+'.
+  bool variable = false;
   friend bool operator==(const Word&, const Word&) = default;
 };
 
 [[nodiscard]] std::uint64_t largest(const Word& word);
 
+// Characters of the longest number, with its sign.
+[[nodiscard]] std::size_t most_characters(const Word& word);
+
+// Characters of the number at the start of `characters`: the fixed width, or the sign and all
+// digits that follow.
+[[nodiscard]] std::size_t width_of(ByteView characters, const Word& word);
+
 void append_word(Bytes& out, const Word& word, std::uint64_t number);
 
-// Empty if a character is not a digit. REQUIRES: characters.size() == word.characters.
+// Empty if a character is not a digit, or if a number of variable width has too many digits or
+// bits. REQUIRES: characters.size() == word.characters, or word.variable.
 [[nodiscard]] std::optional<std::uint64_t> read_word(ByteView characters, const Word& word);
 
 [[nodiscard]] bool could_begin(ByteView characters, const Word& word);

@@ -6,6 +6,7 @@ A memory is {(area, number): word or bit}, with the areas and numbers that the m
 import contextlib
 import functools
 import operator
+import re
 import socketserver
 import struct
 import threading
@@ -180,6 +181,33 @@ def fatek_facon(memory, read, write):
     return write(response + b"%02X\x03" % (sum(response) & 0xFF))
 
 
+def keyence_kv(memory, read, write):
+    """Upper link. Commands, ranges and errors of PROTOCOL_SPEC.md in plc-comm-hostlink-python. A relay is the key (area, channel, place)."""
+    command, device, *rest = until(read, b"\r")[:-1].decode("ascii").split(" ")
+    area, digits, suffix = re.fullmatch(r"(DM|EM|FM|ZF|TM|CM|VM|Z|T[CS]|C[CS]|MR|LR|CR|R|VB|B|W)([0-9A-F]+)(?:\.([UD]))?", device).groups()
+    number = int(digits, 16 if area in ("W", "B", "VB") else 10)
+    count, values = int(rest[0]), [int(value) for value in rest[1:]]
+    if area in ("R", "MR", "LR", "CR"):
+        first = divmod(number, 100)
+        keys = [(area, first[0] + (first[1] + i) // 16, (first[1] + i) % 16) for i in range(count)]
+        last, wrong = {"R": 1999, "MR": 3999, "LR": 999, "CR": 79}[area], first[1] > 15
+        wrong = wrong or keys[-1][1] > last
+    else:
+        last = {"DM": 65534, "EM": 65534, "FM": 32767, "ZF": 524287, "W": 0x7FFF, "TM": 511, "Z": 12, "CM": 7599, "VM": 589823,
+                "TC": 3999, "TS": 3999, "CC": 3999, "CS": 3999, "B": 0x7FFF, "VB": 0xF9FF}[area]
+        keys, wrong = [(area, number + i) for i in range(count)], number + count - 1 > last
+    expected = {"TC": "D", "TS": "D", "CC": "D", "CS": "D"}.get(area, None if area in ("R", "MR", "LR", "CR", "B", "VB") else "U")
+    if suffix != expected or command not in ("RDS", "WRS") or (command == "WRS" and len(values) != count):
+        return write(b"E1\r\n")
+    if wrong:
+        return write(b"E0\r\n")
+    if command == "WRS":
+        memory.update(zip(keys, values))
+        return write(b"OK\r\n")
+    return write(" ".join(str(memory.get(key, 0)) for key in keys).encode() + b"\r\n")
+
+
+# Those of the templates; Keyence KV has none.
 PLCS = {
     "s7-tcp": s7_tcp,
     "allen-bradley-df1": allen_bradley_df1,

@@ -186,18 +186,66 @@ TEST(DeltaDvp, FindsTheDevicesOfTheTable) {
   EXPECT_FALSE(device.protocol().parse_address("X8"));
 }
 
-// Source: the request has the form that HslCommunication and plc-comm-hostlink send, the response
-// the form that they parse. No published exchange of 16 registers was found.
-TEST(KeyenceKv, ReadsNumbersOfAnyWidth) {
+// Source: requests and responses in tests of plc-comm-hostlink-python (test_comprehensive.py).
+// Constructed: leading zeros, which a PLC may send.
+TEST(KeyenceKv, ReadsWordsAndRelays) {
   const Device device = declared_device("keyence-kv", 1);
-  const Request request = device.read("DM1", 3);
-  EXPECT_EQ(sent_text(device, request), "RDS DM0.U 16\r");
-  const std::string rest = " 0 0 0 0 0 0 0 0 0 0 0 0 0 7\r\n";
-  EXPECT_EQ(reply_text(device, request, "10 20" + rest), "32 30 00 00 00 00");
-  EXPECT_EQ(reply_text(device, request, "00010 65535" + rest), "36 35 35 33 35 00");
-  const Outcome refused = drive(*device.begin(request), plc_bytes("E0\r\n"));
-  EXPECT_EQ(refused.cause, Cause::kDeviceError);
-  EXPECT_EQ(refused.code, 0xE0);
+  const Request words = device.read("DM0", 3);
+  EXPECT_EQ(sent_text(device, words), "RDS DM0.U 3\r");
+  EXPECT_EQ(reply_text(device, words, "10 20 30\r\n"), "00 0A 00 14 00 1E");
+  EXPECT_EQ(reply_text(device, words, "00010 61551 65535\r\n"), "00 0A F0 6F FF FF");
+  EXPECT_FALSE(accepts(device, words, "10 20\r\n"));
+  EXPECT_FALSE(accepts(device, words, "10 20 65536\r\n"));
+  const Request relays = device.read("CR3614", 4);
+  EXPECT_EQ(sent_text(device, relays), "RDS CR3614 4\r");
+  EXPECT_EQ(reply_text(device, relays, "0 1 0 1\r\n"), "00 01 00 01");
+}
+
+// Source: the same tests; BuildWriteCommand of HslCommunication for relays.
+TEST(KeyenceKv, WritesWordsAndRelays) {
+  const Device device = declared_device("keyence-kv", 1);
+  const Request words = device.write("DM10", "00 64 00 C8");
+  EXPECT_EQ(sent_text(device, words), "WRS DM10.U 2 100 200\r");
+  EXPECT_TRUE(accepts(device, words, "OK\r\n"));
+  EXPECT_EQ(sent_text(device, device.write("MR1015", "01 00")), "WRS MR1015 2 1 0\r");
+  const auto control = device.protocol().parse_address("CR0");
+  EXPECT_FALSE(device.protocol().areas()[control->area].writable);
+}
+
+// Source: DEVICE_RANGES of plc-comm-hostlink-python, GetAddressStartFormat of KeyenceNanoAddress in
+// HslCommunication.
+TEST(KeyenceKv, HasTheDevicesOfItsSources) {
+  const Device device = declared_device("keyence-kv", 1);
+  for (const auto& [at, request] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"DM65534", "RDS DM65534.U 1\r"},
+           {"ZF524287", "RDS ZF524287.U 1\r"},
+           {"W7FFF", "RDS W7FFF.U 1\r"},
+           {"Z1", "RDS Z1.U 1\r"},
+           {"Z12", "RDS Z12.U 1\r"},
+           {"TC3999", "RDS TC3999.D 1\r"},
+           {"R5", "RDS R5 1\r"},
+           {"R199915", "RDS R199915 1\r"},
+           {"MR399915", "RDS MR399915 1\r"},
+           {"LR99915", "RDS LR99915 1\r"},
+           {"CR7915", "RDS CR7915 1\r"},
+           {"B1F", "RDS B1F 1\r"},
+           {"VBF9FF", "RDS VBF9FF 1\r"}})
+    EXPECT_EQ(sent_text(device, device.read(at, 1)), request);
+  for (const char* at : {"DM65535", "W8000", "Z0", "Z13", "R200000", "MR16", "LR100000", "CR7916"})
+    EXPECT_FALSE(device.protocol().parse_address(at)) << at;
+  EXPECT_TRUE(device.protocol().size(device.read("DM0", 64)));
+  EXPECT_FALSE(device.protocol().size(device.read("DM0", 65)));
+  EXPECT_FALSE(device.protocol().size(device.read("TC0", 33)));
+}
+
+// Source: table of abnormal responses in PROTOCOL_SPEC.md of plc-comm-hostlink-python.
+TEST(KeyenceKv, ReportsTheCodeOfARefusal) {
+  const Device device = declared_device("keyence-kv", 1);
+  for (const Request& request : {device.read("DM0", 1), device.write("DM0", "00 01")}) {
+    const Outcome refused = drive(*device.begin(request), plc_bytes("E4\r\n"));
+    EXPECT_EQ(refused.cause, Cause::kDeviceError);
+    EXPECT_EQ(refused.code, 0xE4);
+  }
 }
 
 }  // namespace

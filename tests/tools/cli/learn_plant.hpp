@@ -36,7 +36,9 @@ struct Read {
 // A line with devices of a declared protocol; random contents.
 class Plant {
  public:
-  explicit Plant(const std::string& protocol) : declaration_(shipped(protocol)) {}
+  explicit Plant(const std::string& protocol) : Plant(shipped(protocol)) {}
+  explicit Plant(std::shared_ptr<const Declaration> declaration)
+      : declaration_(std::move(declaration)) {}
 
   void use(const std::string& address) {
     auto subject = sim::subjects_of(declared::SharedDeclaration{declaration_}).front();

@@ -156,8 +156,27 @@ TEST(Learn, MBus) {
   EXPECT_EQ(Lines(found.end() - 2, found.end()), Lines(wanted.end() - 2, wanted.end()));
 }
 
-TEST(Learn, KeyenceKv) {
-  Plant plant("keyence-kv");
+// Three registers of a PLC that sends numbers without leading zeros.
+TEST(Learn, TextsOfVariableWidth) {
+  constexpr std::string_view kText = R"(
+summary: registers
+addresses: { from: 1, to: 1 }
+areas: [{ name: registers, record: true }]
+operations:
+  - name: read registers
+    read: registers
+    request: [{ name: ask, constant: "RDS DM0.U 3\r" }]
+    answer:
+      - { name: DM0, is: value, text: decimal(6), variable: true }
+      - { name: gap-0, constant: " " }
+      - { name: DM1, is: value, text: decimal(6), variable: true }
+      - { name: gap-1, constant: " " }
+      - { name: DM2, is: value, text: decimal(6), variable: true }
+      - { name: end, constant: "\r\n" }
+)";
+  const auto loaded = config::load_declaration_text(kText, "registers.yaml");
+  ASSERT_TRUE(loaded) << config::to_text(std::span(loaded.error()));
+  Plant plant(loaded->value);
   plant.use("1");
   for (int i = 0; i < 24; ++i) {
     plant.text_of = [&](const declared::Place&) {

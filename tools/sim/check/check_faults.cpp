@@ -10,6 +10,7 @@
 #include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
+#include "tools/sim/device/declared_device.hpp"
 
 namespace fieldcast::sim {
 
@@ -167,11 +168,13 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
       subject.device.declaration && subject.device.declaration.value->refusals.empty();
   if (silent) row.note = "no error frame is declared: the device stays silent";
   std::uint16_t sequence = 0;
+  const auto& declaration = subject.device.declaration;
+  const std::uint8_t code = declaration ? declared_code(*declaration.value, kCode) : kCode;
   for (const NamedRequest& example : requests.examples()) {
     BusFaults faults;
     for (const Area& area : requests.protocol().areas()) {
       faults.devices[subject.device.name].refused.push_back(
-          {std::string(area.name), 0, area.items - 1, kCode});
+          {std::string(area.name), 0, area.items - 1, code});
     }
     LiveDevice live(subject, faults);
     const RunOutcome outcome =

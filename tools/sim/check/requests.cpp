@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -281,29 +280,23 @@ bool frame_begins_in(const Subject& subject, ByteView bytes, std::size_t noise) 
 
 namespace {
 
-std::string number(std::uint32_t number, int base) {
-  char text[16];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, number, base);
-  return {text, end};
-}
-
 // Uses the base of the declaration; hexadecimal digits in both cases.
 void add_numbered(const declared::DeclaredArea& area, std::vector<std::string>& all) {
   const std::uint32_t last = area.origin + area.items - 1;
   const auto add = [&](std::uint32_t item) {
-    const std::string text = number(item, area.base);
-    std::string upper = text;
-    std::ranges::transform(upper, upper.begin(), [](char c) {
-      return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-    });
-    all.push_back(area.prefix + text);
-    if (upper != text) all.push_back(area.prefix + upper);
+    const std::string upper = declared::item_text(area, item - area.origin);
+    std::string lower = upper;
+    std::transform(upper.begin() + static_cast<std::ptrdiff_t>(area.prefix.size()), upper.end(),
+                   lower.begin() + static_cast<std::ptrdiff_t>(area.prefix.size()), [](char c) {
+                     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+                   });
+    all.push_back(lower);
+    if (upper != lower) all.push_back(upper);
   };
   add(area.origin);
   if (area.items > 1) add(last);
   if (area.items > 31) add(area.origin + 30);
-  if (area.item_bits > 1 && area.items > 2)
-    all.push_back(fmt::format("{}{}.3", area.prefix, number(area.origin + 1, area.base)));
+  if (area.item_bits > 1 && area.items > 2) all.push_back(declared::item_text(area, 1) + ".3");
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Operation;
 
-// For missing items, if the declaration defines this code.
+// For missing items; see declared_code().
 constexpr std::uint8_t kAddressCode = 2;
 // Each form is sent for so long, before the next one.
 constexpr Duration kFormTime = std::chrono::seconds{45};
@@ -84,7 +84,10 @@ bool has_address(const declared::Frame& frame) {
 }
 
 std::optional<std::uint32_t> number(std::string_view digits, const DeclaredArea& area) {
-  const auto number = address_number(digits, area.base);
+  const bool channels = area.base == declared::kChannelBase;
+  auto number = address_number(digits, channels ? 10 : area.base);
+  if (channels && number && *number % 100 > 15) return std::nullopt;
+  if (channels && number) number = *number / 100 * 16 + *number % 100;
   if (!number || *number < area.origin || *number - area.origin >= area.items) return std::nullopt;
   return static_cast<std::uint32_t>(*number - area.origin);
 }
@@ -95,6 +98,12 @@ std::vector<std::string_view> declared_area_names(const declared::Declaration& d
   std::vector<std::string_view> names;
   for (const DeclaredArea& area : declaration.areas) names.push_back(area.name);
   return names;
+}
+
+std::uint8_t declared_code(const declared::Declaration& declaration, std::uint8_t code) {
+  const auto& codes = declaration.codes;
+  return codes.empty() || codes.contains(code) ? code
+                                               : static_cast<std::uint8_t>(codes.begin()->first);
 }
 
 DeclaredDevice::DeclaredDevice(const DeviceSetup& setup)
@@ -170,14 +179,15 @@ std::optional<Bytes> DeclaredDevice::greet(const Operation& round, ByteView byte
 
 std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredText& text) const {
   const DeclaredArea& area = declaration_->areas[operation.area];
+  const std::uint8_t missing = declared_code(*declaration_, kAddressCode);
   if (!area.record) {
     const bool far = text.first > UINT32_MAX / 2 || text.count > UINT32_MAX / 2;
-    return far ? kAddressCode
+    return far ? missing
                : memory_.refusal(operation.area, static_cast<std::uint32_t>(text.first),
-                                 static_cast<std::uint32_t>(text.count), kAddressCode);
+                                 static_cast<std::uint32_t>(text.count), missing);
   }
   const auto of_place = [&](const Field& field) {
-    return memory_.refusal(operation.area, field.place, items_in(field), kAddressCode);
+    return memory_.refusal(operation.area, field.place, items_in(field), missing);
   };
   for (const auto& [field, value] : text.numbers) {
     if (const std::uint8_t code = of_place(*field)) return code;

@@ -57,6 +57,10 @@ class DeclaredDevice : public MemoryDevice {
 [[nodiscard]] std::vector<std::string_view> declared_area_names(
     const declared::Declaration& declaration);
 
+// The code, or the lowest of the declaration if it has codes without this one.
+[[nodiscard]] std::uint8_t declared_code(const declared::Declaration& declaration,
+                                         std::uint8_t code);
+
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
     const DeviceSetup& setup);
 

@@ -141,7 +141,36 @@ class ParseRun {
                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
   }
 
+  // Of a number that begins the bytes: whether its end is known.
+  static Fit number_ends(ByteView bytes, const declared::Word& word) {
+    const std::size_t length = number_length(bytes, word);
+    if (!word.variable) return bytes.size() < length ? Fit::kMore : Fit::kWhole;
+    if (length > word.characters + 1u) return Fit::kNo;
+    return bytes.size() == length ? Fit::kMore : Fit::kWhole;
+  }
+
+  // Between separators: as many as the count says.
+  Fit separated_items(const Field& field) {
+    std::size_t at = 0;
+    for (std::uint64_t i = 0; i < received_.text.count; ++i) {
+      for (std::size_t n = 0; i != 0 && n < field.separator.size(); ++n, ++at) {
+        if (at == rest().size()) return Fit::kMore;
+        if (rest()[at] != static_cast<std::uint8_t>(field.separator[n])) return Fit::kNo;
+      }
+      const ByteView left = rest().subspan(at);
+      if (const Fit fit = number_ends(left, field.word); fit != Fit::kWhole) return fit;
+      const std::size_t length = number_length(left, field.word);
+      const auto word = number_of(left.first(length), field.word);
+      if (!word) return Fit::kNo;
+      take_item(field, *word);
+      at += length;
+    }
+    offset_ += at;
+    return Fit::kWhole;
+  }
+
   Fit items(const Field& field) {
+    if (!field.separator.empty()) return separated_items(field);
     std::size_t size = items_size(field, item_bits_, received_.text.count);
     if (given_size_ && !counted_) {
       size = *given_size_;
@@ -174,13 +203,14 @@ class ParseRun {
 
   Fit word(const Field& field) {
     if (field.opens) {
-      if (rest().size() < field.word.characters) return Fit::kMore;
-      const auto number = number_of(rest().first(field.word.characters), field.word);
+      if (const Fit fit = number_ends(rest(), field.word); fit != Fit::kWhole) return fit;
+      width_ = number_length(rest(), field.word);
+      const auto number = number_of(rest().first(width_), field.word);
       if (!number) return Fit::kNo;
       word_ = *number;
     }
     const bool fits = take(field, word_ >> field.shift & mask(field.bits));
-    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += width_;
     return fits ? Fit::kWhole : Fit::kNo;
   }
 
@@ -260,6 +290,7 @@ class ParseRun {
   Starts starts_;  // up to the current field
   std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
+  std::size_t width_ = 0;  // characters of word_
   std::optional<std::size_t> given_size_;
   std::uint64_t counted_items_ = 0;  // from a length in items
   Bytes rest_;                       // from the current field on, without its transform
@@ -277,6 +308,7 @@ void append_items(Bytes& out, const Field& field, unsigned item_bits,
     } else if (item_bits == 1) {
       word = items[at] != 0 ? field.on : field.off;
     }
+    if (at != 0) out.insert(out.end(), field.separator.begin(), field.separator.end());
     append(out, characters_of(word, field.word));
   }
 }

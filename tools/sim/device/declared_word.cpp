@@ -1,5 +1,7 @@
 #include "tools/sim/device/declared_word.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "tools/sim/device/device.hpp"
@@ -45,7 +47,54 @@ Bytes bcd_characters(std::uint64_t number, const Word& word) {
 
 }  // namespace
 
+namespace {
+
+bool is_digit(std::uint8_t c, Notation notation) {
+  return (c >= '0' && c <= '9') || (notation == Notation::kHex && c >= 'A' && c <= 'F');
+}
+
+// The sign and the digits of a number of variable width.
+std::optional<std::uint64_t> free_number(ByteView characters, const Word& word) {
+  const bool negative = !characters.empty() && characters[0] == '-';
+  if (negative || (!characters.empty() && characters[0] == '+')) characters = characters.subspan(1);
+  if (characters.empty() || characters.size() > word.characters) return std::nullopt;
+  std::uint64_t number = 0;
+  for (const std::uint8_t c : characters) {
+    if (!is_digit(c, word.notation)) return std::nullopt;
+    number = number * (word.notation == Notation::kHex ? 16 : 10) +
+             static_cast<std::uint64_t>(c <= '9' ? c - '0' : c - 'A' + 10);
+  }
+  if (word.sign_bits == 0) return number;
+  const std::uint64_t half = std::uint64_t{1} << (word.sign_bits - 1);
+  if (number > half || (number == half && !negative)) return std::nullopt;
+  return negative ? (~number + 1) & mask(word.sign_bits) : number;
+}
+
+// 100 * channel + place.
+std::optional<std::uint64_t> item_of_channel(std::optional<std::uint64_t> digits) {
+  if (!digits || *digits % 100 > 15) return std::nullopt;
+  return *digits / 100 * 16 + *digits % 100;
+}
+
+}  // namespace
+
+std::size_t number_length(ByteView characters, const Word& word) {
+  if (!word.variable) return word.characters;
+  std::size_t length = 0;
+  while (length < characters.size() &&
+         (is_digit(characters[length], word.notation) ||
+          (length == 0 && word.sign_bits != 0 && (characters[0] == '-' || characters[0] == '+'))))
+    ++length;
+  return length;
+}
+
 std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
+  if (word.notation == Notation::kChannel) {
+    Word decimal = word;
+    decimal.notation = Notation::kDecimal;
+    return item_of_channel(number_of(characters, decimal));
+  }
+  if (word.variable) return free_number(characters, word);
   if (word.notation == Notation::kBinary) {
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < characters.size(); ++i)
@@ -64,13 +113,23 @@ std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
 }
 
 Bytes characters_of(std::uint64_t number, const Word& word) {
+  if (word.notation == Notation::kChannel) number = 100 * (number / 16) + number % 16;
+  if (word.variable) {
+    const bool negative = word.sign_bits != 0 && (number >> (word.sign_bits - 1) & 1u) != 0;
+    if (negative) number = (~number + 1) & mask(word.sign_bits);
+    const std::string text =
+        word.notation == Notation::kHex ? fmt::format("{:X}", number) : std::to_string(number);
+    Bytes characters(text.begin(), text.end());
+    if (negative) characters.insert(characters.begin(), '-');
+    return characters;
+  }
   Bytes text;
   if (word.notation == Notation::kBcd) {
     text = bcd_characters(number, word);
   } else if (word.notation == Notation::kHex) {
     append_hex(text, number, word.characters);
   } else {
-    const std::uint64_t base = word.notation == Notation::kDecimal ? 10 : 256;
+    const std::uint64_t base = word.notation == Notation::kBinary ? 256 : 10;
     for (unsigned i = 0; i < word.characters; ++i, number /= base) {
       text.insert(text.begin(), static_cast<std::uint8_t>(number % base + (base == 10 ? '0' : 0)));
     }

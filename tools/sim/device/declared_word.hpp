@@ -14,7 +14,10 @@ namespace fieldcast::sim {
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
 }
 
-// Empty if a character is not a digit.
+// Characters of the number at the start, with its sign if it is of variable width.
+[[nodiscard]] std::size_t number_length(ByteView characters, const declared::Word& word);
+
+// Empty if a character is not a digit, or if a number of variable width does not fit.
 [[nodiscard]] std::optional<std::uint64_t> number_of(ByteView characters,
                                                      const declared::Word& word);
 [[nodiscard]] Bytes characters_of(std::uint64_t number, const declared::Word& word);
