@@ -314,12 +314,9 @@ class Inspect(unittest.TestCase):
                 frames = result.json_lines()
                 self.assertEqual((result.code, len(frames)), (0, len(captures[bus])), str(result)[-2000:])
                 found = {(value["device"], value["channel"]) for frame in frames for value in frame["values"]}
-                # A request that nobody responded to in time has no values.
-                asked = [(frame["comment"].split(":")[0], following["direction"]) for frame, following in zip(frames, frames[1:]) if ": read" in frame["comment"]]
-                with_values = {device for device, _ in found}
-                self.assertLessEqual(with_values, {device for device, _ in asked})
-                self.assertLessEqual({device for device, direction in asked if direction == "received"}, with_values)
-                self.assertTrue(with_values)
+                # without the last frame: the capture may end before the response to it
+                devices = {frame["comment"].split(":")[0] for frame in frames[:-1] if ": read" in frame["comment"]}
+                self.assertEqual({device for device, _ in found}, devices)
         self.assertIn({"device": "mixer", "channel": "speed", "value": 4711, "unit": ""},
                       [value for frame in run_cli(BIN_DIR, "inspect", os.path.join(plant.run, "ascii.pcapng"), "--config", plant.file, "--json").json_lines()
                        for value in frame["values"]])

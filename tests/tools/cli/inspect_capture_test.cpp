@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -50,6 +51,14 @@ buses:
         channels:
           - { name: count, at: VW100, type: uint16 }
           - { name: on, at: M0.1 }
+  - name: cell
+    port: { serial: /dev/cell, baud: 9600, format: 7E2 }
+    protocol: omron-hostlink
+    devices:
+      - name: plc
+        address: 1
+        options: { mode: fins }
+        channels: [ { name: force, at: DM200, type: uint16 } ]
 )";
 
 class InspectCapture : public testing::Test {
@@ -321,6 +330,25 @@ TEST_F(Decoding, TransactionNumbersOfModbusTcpAreFound) {
     EXPECT_THAT(text(decoder.take(Direction::kReceived,
                                   *from_hex(std::string(number) + "000000050103 0205DC"), {})),
                 ElementsAre("speed=1500"));
+  }
+}
+
+// The sum of a frame is a XOR of its digits, so its digits do not depend on each number.
+TEST_F(Decoding, EveryServiceIdOfFinsIsFound) {
+  const DeviceSpec& plc = plant_.buses[3].devices[0];
+  const auto protocol = *make_protocol(plc, {});
+  ValueDecoder decoder(plant_.buses[3]);
+  for (std::uint16_t number = 0; number < 256; ++number) {
+    Bytes request;
+    (void)protocol->begin(ReadRequest{{plc.channels[0].range}}, {number})->start(request);
+    EXPECT_THAT(decoder.take(Direction::kSent, request, "plc: read DM:200 (force)"), IsEmpty());
+    std::string answer = fmt::format("@01FA00400000{:02X}010100001234", number);
+    unsigned sum = 0;
+    for (const char digit : answer) sum ^= static_cast<unsigned char>(digit);
+    answer += fmt::format("{:02X}*\r", sum);
+    EXPECT_THAT(text(decoder.take(Direction::kReceived, Bytes(answer.begin(), answer.end()), {})),
+                ElementsAre("force=4660"))
+        << number;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tools/cli/inspect/value_decoder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
 #include <set>
@@ -24,14 +25,20 @@ Bytes request_of(const Protocol& protocol, const std::vector<Range>& ranges,
   return out;
 }
 
-// Ignores bytes that depend on the sequence number.
+// Ignores bytes that depend on the sequence number. Both digits of a XOR sum of hexadecimal digits
+// change only if one of the numbers has a letter.
 bool is_request_of(const Protocol& protocol, const std::vector<Range>& ranges, ByteView frame) {
   if (!protocol.size(ReadRequest{ranges})) return false;
   const Bytes one = request_of(protocol, ranges, 0);
   if (one.size() != frame.size()) return false;
-  const Bytes other = request_of(protocol, ranges, 0x5A13);
+  std::array<Bytes, 3> others;
+  std::ranges::transform(std::array{0x5A13, 0xA0A0, 0x0B0B}, others.begin(), [&](int sequence) {
+    return request_of(protocol, ranges, static_cast<std::uint16_t>(sequence));
+  });
   for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (frame[i] != one[i] && one[i] == other[i]) return false;
+    const bool depends =
+        std::ranges::any_of(others, [&](const Bytes& other) { return other[i] != one[i]; });
+    if (frame[i] != one[i] && !depends) return false;
   }
   return true;
 }
