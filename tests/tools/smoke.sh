@@ -23,7 +23,7 @@ step() { echo "=== $suite: $* (after $SECONDS s)"; }
 step "the packages install"
 tar -c -C "$packages" . | tools/in_root.sh "$suite" -- sh -ec 'mkdir -p packages && tar -x --no-same-owner -C packages
   apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
-    ./packages/fieldcast_*.deb ./packages/fieldcast-sim_*.deb python3-yaml >packages/log 2>&1 || { cat packages/log; exit 1; }'
+    ./packages/fieldcast_*.deb ./packages/fieldcast-sim_*.deb openssl python3-yaml >packages/log 2>&1 || { cat packages/log; exit 1; }'
 
 step "the demo"
 tools/in_root.sh "$suite" -- tools/demo.sh --no-page --seconds 20 --bin /usr/bin
