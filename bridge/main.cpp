@@ -21,6 +21,7 @@
 #include "bridge/process/command_line.hpp"
 #include "bridge/process/secret.hpp"
 #include "bridge/program/server.hpp"
+#include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "config/loader/loader.hpp"
@@ -36,14 +37,6 @@ namespace {
 // Time between two summaries of counted lines.
 constexpr Duration kHousekeeping = std::chrono::seconds{10};
 constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log to be written
-
-// Counted, because messages of the library can be caused by any sender in the domain.
-void log_library(bool error, std::string_view kind, std::string_view text) {
-  if (kind == kSecurityLine)
-    return error ? log_error("security", text) : log_warning("security", text);
-  log_counted(error ? LogLevel::kError : LogLevel::kWarning, "Fast DDS",
-              fmt::format("messages of {}", kind), text);
-}
 
 // Ends the process when a library or a driver hangs and blocks the stop.
 void last_words(Bridge& bridge) {
@@ -314,7 +307,7 @@ ExitCode run_daemon(const std::string& path, bool trace) {
   open_log(loaded->log.level);
   if (const std::string memory = unguarded_memory(); !memory.empty())
     log_warning("security", memory);
-  set_library_lines(log_library);
+  log_library_messages();
   const ExitCode code = serve(signals, *loaded, path, trace);
   flush_log(kLastWords);
   return code;

@@ -41,15 +41,12 @@ std::string text_of(const std::vector<FrameField>& fields, bool is_declared) {
     }
   }
   if (operation.empty()) return {};
-  std::string text = operation + arguments;
-  if (text.size() > LastRequest::kMaxText) text = text.substr(0, LastRequest::kMaxText - 3) + "...";
-  return text;
+  return operation + arguments;
 }
 
 }  // namespace
 
 void LastRequest::on_sent(ByteView bytes, UtcTime at) {
-  if (std::exchange(is_answered_, false)) sent_.clear();
   if (sent_.size() + bytes.size() > kMaxBytes + 1)
     bytes = bytes.first(kMaxBytes + 1 - sent_.size());
   append(sent_, bytes);
@@ -57,8 +54,8 @@ void LastRequest::on_sent(ByteView bytes, UtcTime at) {
 }
 
 void LastRequest::on_received() {
-  if (std::exchange(is_answered_, true) || sent_.empty()) return;
-  whole_ = sent_;
+  if (sent_.empty()) return;
+  whole_ = std::exchange(sent_, {});
   whole_at_ = sent_at_;
 }
 

@@ -13,7 +13,6 @@ namespace fieldcast::program {
 class LastRequest {
  public:
   static constexpr std::size_t kMaxBytes = 4096;  // longer requests are not decoded
-  static constexpr std::size_t kMaxText = 128;
 
   struct Decoded {
     std::string text;  // "RD read DM, first 0100, count 0010"
@@ -35,9 +34,9 @@ class LastRequest {
  private:
   std::string protocol_;
   declared::SharedDeclaration declaration_;
-  Bytes sent_, whole_;
+  Bytes sent_;   // since the last response
+  Bytes whole_;  // the last request with a response, not taken yet
   UtcTime sent_at_, whole_at_;
-  bool is_answered_ = false;
 };
 
 }  // namespace fieldcast::program

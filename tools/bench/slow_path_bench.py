@@ -30,9 +30,9 @@ import serial
 
 TESTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests")
 sys.path[:0] = [os.path.join(TESTS, "tools"), os.path.join(TESTS, "interop")]
-from host_link_session import host_link  # noqa: E402
 from peers import DEADLINE, Program  # noqa: E402
 from plant import claim_domain, wait_until  # noqa: E402
+from rfc2217_bench import rate  # noqa: E402
 
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 PLANT_HOST, BARE_PORT, MAIN_PORT, LINE_PORT = "10.98.0.2", 4000, 4001, 4002
@@ -140,20 +140,6 @@ def relay(space, line):
                         if not data:
                             break
                         port.write(data)
-
-
-def rate(port, exchanges):
-    """Returns exchanges a second of a pyserial port."""
-    words = "".join(f"{number:04X}" for number in range(20))
-    began = time.monotonic()
-    for number in range(exchanges // 2):
-        address = 1000 + 20 * (number % 60)
-        for request, expected in ((f"@00WD{address}{words}", host_link("@00WD00")), (f"@00RD{address}0020", host_link("@00RD00" + words))):
-            port.write(host_link(request))
-            response = port.read_until(b"\r")
-            if response != expected:
-                raise SystemExit(f"slow_path_bench: {request}: {response}")
-    return exchanges / (time.monotonic() - began)
 
 
 def opened(url, **more):

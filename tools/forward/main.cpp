@@ -14,6 +14,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/process/command_line.hpp"
 #include "bridge/process/secret.hpp"
+#include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "tools/forward/forwarder.hpp"
@@ -27,14 +28,6 @@ using namespace fieldcast::forward;
 constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
 constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
 constexpr const char* kOpen = "security: none: every program in the network can read and command";
-
-void log_library(bool error, std::string_view kind, std::string_view text) {
-  if (kind == fieldcast::kSecurityLine)
-    return error ? fieldcast::log_error("security", text)
-                 : fieldcast::log_warning("security", text);
-  fieldcast::log_counted(error ? fieldcast::LogLevel::kError : fieldcast::LogLevel::kWarning,
-                         "Fast DDS", fmt::format("messages of {}", kind), text);
-}
 
 // Also prints a successful check, so that an empty output is never a success.
 ExitCode check(const ForwardSpec& spec, const fieldcast::config::Places& places) {
@@ -116,7 +109,7 @@ ExitCode run(int argc, char** argv) {
   }
   if (only_check) return check(*spec, places);
   fieldcast::open_log(spec->log.level);
-  fieldcast::set_library_lines(log_library);
+  fieldcast::log_library_messages();
   ExitCode code = ExitCode::kCannotStart;
   try {
     code = serve(signals, *spec);

@@ -15,6 +15,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/process/command_line.hpp"
 #include "bridge/process/secret.hpp"
+#include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "tools/station/settings/configuration.hpp"
@@ -37,14 +38,6 @@ struct Options {
   std::string security;
   bool check = false;
 };
-
-void log_library(bool error, std::string_view kind, std::string_view text) {
-  if (kind == fieldcast::kSecurityLine)
-    return error ? fieldcast::log_error("security", text)
-                 : fieldcast::log_warning("security", text);
-  fieldcast::log_counted(error ? fieldcast::LogLevel::kError : fieldcast::LogLevel::kWarning,
-                         "Fast DDS", fmt::format("messages of {}", kind), text);
-}
 
 std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Places& places) {
   StationSpec spec;
@@ -259,7 +252,7 @@ ExitCode run(int argc, char** argv) {
   if (!spec) return ExitCode::kBadConfiguration;
   if (options.check) return check(*spec, Origin(options, places));
   fieldcast::open_log(spec->log.level);
-  fieldcast::set_library_lines(log_library);
+  fieldcast::log_library_messages();
   ExitCode code = ExitCode::kCannotStart;
   try {
     code = serve(signals, *spec);

@@ -10,8 +10,8 @@ namespace fieldcast::forward {
 
 class Thinning {
  public:
-  // Removes each sample of a minute (of acquired_at) of which a sample of the channel was kept
-  // before. Returns the number of removed samples. REQUIRES: batches in the order of the queue.
+  // Keeps the first sample of each channel and minute (of acquired_at), and removes the others.
+  // Returns how many it has removed. REQUIRES: batches in the order of the queue.
   std::size_t thin(SampleBatch& batch);
 
  private:

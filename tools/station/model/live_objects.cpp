@@ -74,13 +74,11 @@ bool outranks(const LiveObject* last, const LiveObject& report) {
 
 // `report` is one of the two reports of a session, and becomes both.
 void join(const LiveObject* last, LiveSession& report) {
-  const LiveSession none, &known = last == nullptr ? none : std::get<LiveSession>(*last);
-  const bool is_request = report.requested_at.nanoseconds != 0;
-  if (is_request) {
-    if (last != nullptr) report.session = known.session;
-  } else {
-    report.request = known.request;
-    report.requested_at = known.requested_at;
+  if (last != nullptr) {
+    const auto& known = std::get<LiveSession>(*last);
+    const bool is_request = report.requested_at.nanoseconds != 0;
+    report = is_request ? LiveSession{known.session, report.request, report.requested_at}
+                        : LiveSession{report.session, known.request, known.requested_at};
   }
   if (report.requested_at.nanoseconds >= report.session.since.nanoseconds) return;
   report.request.clear();
