@@ -7,7 +7,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "tools/forward/outlet/jetstream.hpp"
+#include "tools/forward/make_outlet.hpp"
 #include "tools/forward/payload/codec.hpp"
 
 namespace fieldcast::forward {
@@ -46,12 +46,7 @@ Record record_of(const std::string& site, const StationAlarmStatus& alarm) {
 }  // namespace
 
 Forwarder::Forwarder(const ForwardSpec& spec)
-    : spec_(spec),
-      queue_(spec.queue),
-      sender_(spec.send, queue_,
-              MessageMaker(spec.site, spec.jetstream.bucket, spec.payload,
-                           [this](std::uint64_t identity) { return queue_.catalogue(identity); })),
-      gatherer_(spec.gather) {
+    : spec_(spec), queue_(spec.queue), sender_(spec.send, queue_), gatherer_(spec.gather) {
   for (const NamedPosition& position : queue_.positions()) {
     // The name of an alarm ends with its limit: "bus/device/channel high".
     if (position.name.find(' ') != std::string::npos) {
@@ -78,9 +73,13 @@ void Forwarder::check_disk() const {
 
 void Forwarder::start() {
   check_disk();
-  sender_.start(
-      std::make_unique<JetStreamOutlet>(spec_.jetstream, "fieldcast-forward " + spec_.site,
-                                        spec_.send.in_flight, [this] { sender_.wake(); }));
+  sender_.start(make_outlet(
+      spec_.outlet,
+      {.site = spec_.site,
+       .payload = spec_.payload,
+       .catalogue = [this](std::uint64_t identity) { return queue_.catalogue(identity); },
+       .in_flight = spec_.send.in_flight,
+       .wake = [this] { sender_.wake(); }}));
   worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
   station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
   subscribe();
@@ -181,10 +180,10 @@ std::string Forwarder::status() const {
   const Queue::Counters queue = queue_.counters();
   const Sender::Counters sent = sender_.counters();
   return fmt::format(
-      "{}, {} messages wait ({:.1f} kB), {} samples in {} messages acknowledged, {} "
+      "{}, {} messages wait ({:.1f} kB), {} samples ({} late) in {} messages acknowledged, {} "
       "messages repeated, {} refused",
       sent.is_ready ? "connected" : "not connected", queue.records,
-      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.messages, sent.repeated,
+      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.late, sent.messages, sent.repeated,
       sent.refused);
 }
 

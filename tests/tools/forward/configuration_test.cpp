@@ -30,6 +30,11 @@ std::vector<std::string> faults(std::string_view text) {
   return texts;
 }
 
+JetStreamSpec jetstream_of(const std::string& text) {
+  const auto loaded = load("site: n\nqueue: { path: q }\njetstream: { " + text + " }\n");
+  return loaded ? std::get<JetStreamSpec>(loaded->outlet) : JetStreamSpec{};
+}
+
 TEST(ForwardConfiguration, EverythingButSiteAndQueueHasADefault) {
   const auto loaded = load("site: north\nqueue: { path: q.db }\n");
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());
@@ -38,7 +43,7 @@ TEST(ForwardConfiguration, EverythingButSiteAndQueueHasADefault) {
   EXPECT_EQ(loaded->dds, DdsSpec{});
   EXPECT_EQ(loaded->gather, GatherSpec{});
   EXPECT_EQ(loaded->payload, PayloadSpec{});
-  EXPECT_EQ(loaded->jetstream, JetStreamSpec{});
+  EXPECT_EQ(loaded->outlet, OutletSpec(JetStreamSpec{}));
   EXPECT_EQ(loaded->send, SendSpec{});
 }
 
@@ -50,6 +55,7 @@ log: { level: debug }
 queue: { path: q.db, max-size: 50MB, keep: 7d }
 gather: { time: 250ms, samples: 500 }
 payload: { format: json, compress: zstd }
+send: { in-flight: 16, max-rate: 64kB/s, late-after: 1min }
 jetstream:
   servers: [tls://a.example:4222, "tls://b.example:4222"]
   authority: ca.pem
@@ -58,8 +64,6 @@ jetstream:
   user: north
   password-file: password
   acknowledgement: 2s
-  in-flight: 16
-  max-rate: 64kB/s
   sample-stream: S
   alarm-stream: A
   bucket: B
@@ -71,7 +75,7 @@ jetstream:
   EXPECT_EQ(loaded->queue, (QueueSpec{"q.db", 50'000'000, std::chrono::hours{24 * 7}}));
   EXPECT_EQ(loaded->gather, (GatherSpec{std::chrono::milliseconds{250}, 500}));
   EXPECT_EQ(loaded->payload, (PayloadSpec{PayloadFormat::kJson, true}));
-  const JetStreamSpec& jetstream = loaded->jetstream;
+  const auto& jetstream = std::get<JetStreamSpec>(loaded->outlet);
   EXPECT_THAT(jetstream.servers, ElementsAre("tls://a.example:4222", "tls://b.example:4222"));
   EXPECT_EQ(jetstream.authority, "ca.pem");
   EXPECT_EQ(jetstream.certificate, "c.pem");
@@ -84,13 +88,9 @@ jetstream:
   EXPECT_EQ(jetstream.bucket, "B");
   EXPECT_EQ(jetstream.streams,
             (StreamSpec{true, 3, std::chrono::hours{24 * 30}, std::chrono::hours{1}}));
-  EXPECT_EQ(loaded->send, (SendSpec{16, 64'000}));
-  EXPECT_EQ(
-      load("site: n\nqueue: { path: q }\njetstream: { token-file: t }\n")->jetstream.token_file,
-      "t");
-  EXPECT_EQ(
-      load("site: n\nqueue: { path: q }\njetstream: { credentials: c }\n")->jetstream.credentials,
-      "c");
+  EXPECT_EQ(loaded->send, (SendSpec{16, 64'000, std::chrono::minutes{1}}));
+  EXPECT_EQ(jetstream_of("token-file: t").token_file, "t");
+  EXPECT_EQ(jetstream_of("credentials: c").credentials, "c");
 }
 
 TEST(ForwardConfiguration, WhatIsMissingIsNamed) {

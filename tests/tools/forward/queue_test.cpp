@@ -24,6 +24,9 @@ struct QueueTest : testing::Test {
   static void append(Queue& queue, const Record& record, UtcTime now = kNow) {
     queue.append(std::span(&record, 1), {}, now);
   }
+  static void append_seconds(Queue& queue, std::int64_t from, std::int64_t to) {
+    for (std::int64_t i = from; i < to; ++i) append(queue, record_of(seconds(i, i + 1)));
+  }
   static std::vector<std::uint64_t> ids(Queue& queue) {
     std::vector<std::uint64_t> found;
     for (const Record& record : queue.read(0, 100'000, 1 << 30)) found.push_back(record.id);
@@ -177,6 +180,74 @@ TEST_F(QueueTest, WithoutALimitOfAgeNothingIsTooOld) {
   append(queue, record_of(seconds(0, 5)), kNow);
   queue.clean({INT64_MAX});
   EXPECT_EQ(ids(queue).size(), 1u);
+}
+
+TEST_F(QueueTest, RecordsThatWereNotSentAreMergedInTheFile) {
+  std::uint64_t identity = 0;
+  {
+    Queue queue = open();
+    append_seconds(queue, 0, 10);
+    const std::uint64_t before = queue.counters().bytes;
+    const auto merged = queue.read_merged({0, queue.last(), 0});
+    EXPECT_EQ(merged.read_to, 10u);
+    ASSERT_EQ(merged.records.size(), 1u);
+    EXPECT_EQ(decode_samples(merged.records[0].body)->samples, seconds(0, 10).samples);
+    identity = merged.records[0].identity;
+    EXPECT_EQ(queue.counters().records, 1u);
+    EXPECT_LT(queue.counters().bytes, before);
+    append_seconds(queue, 10, 12);
+  }
+  Queue queue = open();
+  const std::uint64_t after = queue.counters().bytes;
+  const auto again = queue.read_merged({0, queue.last(), queue.last()});
+  ASSERT_EQ(again.records.size(), 2u) << "the merged record may have been sent";
+  EXPECT_EQ(again.records[0].identity, identity);
+  EXPECT_EQ(again.records[1].samples, 2u);
+  queue.remove(std::vector<std::uint64_t>{again.records[0].id, again.records[1].id});
+  EXPECT_EQ(queue.counters().bytes, 0u);
+  EXPECT_LT(queue.counters().bytes, after);
+}
+
+TEST_F(QueueTest, RecordsThatMayHaveBeenSentAreNotMerged) {
+  Queue queue = open();
+  append_seconds(queue, 0, 3);
+  EXPECT_EQ(queue.read(0, 100, 1'000'000).size(), 3u);
+  queue.set_sending(true);
+  append_seconds(queue, 3, 6);
+  queue.set_sending(false);
+  append_seconds(queue, 6, 9);
+  EXPECT_EQ(queue.read_merged({0, queue.last(), queue.last()}).records.size(), 7u);
+  EXPECT_EQ(queue.counters().records, 7u);
+}
+
+TEST_F(QueueTest, RecordsThatWereNeverReadAreMergedAlsoWhileOthersAreSent) {
+  Queue queue = open();
+  queue.set_sending(true);
+  append_seconds(queue, 0, 6);
+  EXPECT_EQ(queue.read_merged({0, queue.last(), 2}).records.size(), 3u) << "1, 2, and the rest";
+}
+
+TEST_F(QueueTest, TheLastRecordBeforeATimeIsFound) {
+  Queue queue = open();
+  EXPECT_EQ(queue.last_before({100}, 0), 0u);
+  for (const std::int64_t at : {10, 20, 30}) {
+    const Record record = record_of(seconds(at, at + 1));
+    queue.append(std::span(&record, 1), {}, {at});
+  }
+  EXPECT_EQ(queue.last_before({25}, 0), 2u);
+  EXPECT_EQ(queue.last_before({25}, 2), 0u);
+  EXPECT_EQ(queue.last(), 3u);
+}
+
+TEST_F(QueueTest, AFileOfAnEarlierVersionIsUpgraded) {
+  {
+    Queue queue = open();
+    append_seconds(queue, 0, 2);
+  }
+  open_sqlite(path, IfMissing::kFail)
+      ->script("alter table records drop column late; alter table records drop column fixed");
+  Queue queue = open();
+  EXPECT_EQ(queue.read_merged({0, queue.last(), queue.last()}).records.size(), 2u);
 }
 
 TEST_F(QueueTest, ASecondForwarderCannotUseTheFile) {

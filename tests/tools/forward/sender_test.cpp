@@ -4,7 +4,9 @@
 
 #include <condition_variable>
 
+#include "bridge/base/clock.hpp"
 #include "tests/tools/forward/batch_support.hpp"
+#include "tools/forward/outlet/nats/subject.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -16,6 +18,7 @@ struct Engine {
   bool is_ready = true;
   Outcome outcome = Outcome::kAcknowledged;
   std::vector<std::string> sent;  // ids
+  std::size_t late = 0;
   std::vector<OutletResult> results;
 
   [[nodiscard]] bool wait(const std::function<bool()>& condition) {
@@ -31,15 +34,17 @@ class EngineOutlet final : public Outlet {
     const std::lock_guard lock(engine_.mutex);
     return engine_.is_ready;
   }
-  bool send(const OutletMessage& message) override {
+  std::optional<std::size_t> send(const Record& record) override {
+    const bool is_broken = !payloads_.payload_of(record);
     {
       const std::lock_guard lock(engine_.mutex);
-      engine_.sent.push_back(message.id);
-      engine_.results.push_back({message.record, engine_.outcome});
+      engine_.sent.push_back(message_id_of("north", record));
+      engine_.late += record.is_late ? 1 : 0;
+      engine_.results.push_back({record.id, is_broken ? Outcome::kRefused : engine_.outcome});
     }
     engine_.changed.notify_all();
     sender_.wake();
-    return true;
+    return record.body.size();
   }
   std::vector<OutletResult> take_results() override {
     const std::lock_guard lock(engine_.mutex);
@@ -49,22 +54,20 @@ class EngineOutlet final : public Outlet {
  private:
   Engine& engine_;
   Sender& sender_;
+  PayloadMaker payloads_{"north", {}, [](std::uint64_t) { return std::nullopt; }};
 };
 
 struct SenderTest : testing::Test {
   Folder folder;
   Queue queue{{folder.file("queue.db")}};
   Engine engine;
+  UtcTime appended_at = read_clocks().utc;
 
-  Sender sender() {
-    return {{.in_flight = 4}, queue, MessageMaker("north", "bucket", {}, [](std::uint64_t) {
-              return std::nullopt;
-            })};
-  }
+  Sender sender() { return {{.in_flight = 4}, queue}; }
   void append(std::int64_t from, std::int64_t to) {
     for (std::int64_t i = from; i < to; ++i) {
       const Record record = record_of(seconds(i, i + 1));
-      queue.append(std::span(&record, 1), {}, {1});
+      queue.append(std::span(&record, 1), {}, appended_at);
     }
   }
   [[nodiscard]] bool is_empty_in_time() {
@@ -140,17 +143,19 @@ TEST_F(SenderTest, ARefusedRecordIsRemovedAndTheRestGoesOn) {
   EXPECT_EQ(sending.counters().samples, 2u);
 }
 
-TEST_F(SenderTest, ARecordThatCannotBeDecodedIsRemoved) {
-  const Record broken{.bus = "line", .device = "press", .samples = 1, .body = "x"};
-  queue.append(std::span(&broken, 1), {}, {1});
-  append(0, 1);
-  Sender sending({.in_flight = 4}, queue,
-                 MessageMaker("north", "bucket", {.format = PayloadFormat::kJson},
-                              [](std::uint64_t) { return std::nullopt; }));
+TEST_F(SenderTest, OldRecordsAreLateAndInFewMessages) {
+  appended_at = {1};
+  append(0, 50);
+  appended_at = read_clocks().utc;
+  append(50, 60);
+  Sender sending = sender();
   sending.start(std::make_unique<EngineOutlet>(engine, sending));
-  EXPECT_TRUE(is_empty_in_time());
+  ASSERT_TRUE(is_empty_in_time());
   sending.stop();
-  EXPECT_EQ(sending.counters().refused, 2u) << "the catalogue of the second one is missing";
+  EXPECT_EQ(sending.counters().samples, 60u);
+  EXPECT_EQ(sending.counters().late, 50u);
+  EXPECT_EQ(engine.late, 1u) << "one message";
+  EXPECT_EQ(engine.sent.size(), 11u);
 }
 
 TEST_F(SenderTest, NothingIsSentBeforeTheOutletIsReady) {

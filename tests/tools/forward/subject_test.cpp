@@ -1,4 +1,4 @@
-#include "tools/forward/send/subject.hpp"
+#include "tools/forward/outlet/nats/subject.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,25 +1,32 @@
-// The seam between the sender and a message engine: an outlet publishes messages and reports each
-// acknowledgement or failure. One file and one class for each engine.
+// The seam between the sender and a message engine: an outlet sends records and reports each
+// acknowledgement or failure. One class and one section of the configuration for each engine.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "tools/forward/batch/record.hpp"
+#include "tools/forward/payload/record_payload.hpp"
 
 namespace fieldcast::forward {
 
-struct OutletMessage {
-  std::uint64_t record = 0;  // returned in the result
-  std::string subject;
-  std::string id;  // equal for each repetition; the engine removes duplicates by it
-  std::string payload;
+// What every outlet needs.
+struct OutletContext {
+  std::string site;
+  PayloadSpec payload;
+  RecordDecoder::FindCatalogue catalogue;
+  std::uint32_t in_flight = 256;  // the most records without a result
+  // Wakes the sender: there are results, or the connection has changed. Any thread.
+  std::function<void()> wake;
 };
 
 enum class Outcome : std::uint8_t {
   kAcknowledged,
-  kFailed,   // not stored, or unknown: the message must be sent again
+  kFailed,   // not stored, or unknown: the record must be sent again
   kRefused,  // the engine refuses it every time, for example because it is too large
 };
 
@@ -28,14 +35,19 @@ struct OutletResult {
   Outcome outcome = Outcome::kFailed;
 };
 
-// Used by one thread. Results of a message come once, in any order.
+// Used by one thread. The result of a record comes once, in any order. An outlet logs the reason of
+// each failure and refusal.
 class Outlet {
  public:
   virtual ~Outlet() = default;
-  // Connects if necessary. Returns true if messages can be sent. May block for a few seconds.
+  // Connects if necessary. Returns true if records can be sent. May block for a few seconds.
   [[nodiscard]] virtual bool is_ready(Instant now) = 0;
-  // Returns false if the message was not sent; then there is no result.
-  [[nodiscard]] virtual bool send(const OutletMessage& message) = 0;
+  // Returns the size of the message in bytes. Empty if it was not sent; then there is no result, and
+  // the record is sent again later. The lane of `record` has no other record without a result.
+  [[nodiscard]] virtual std::optional<std::size_t> send(const Record& record) = 0;
+  // Called after the records of a turn were sent: an engine with transactions commits here. May
+  // block for a few seconds.
+  virtual void flush() {}
   [[nodiscard]] virtual std::vector<OutletResult> take_results() = 0;
 };
 

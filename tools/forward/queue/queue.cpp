@@ -1,5 +1,6 @@
 #include "tools/forward/queue/queue.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "tools/forward/payload/codec.hpp"
@@ -17,23 +18,39 @@ create table if not exists records(
   id integer primary key autoincrement, kind integer not null, bus text not null,
   device text not null, epoch integer not null, identity integer not null,
   samples integer not null, appended_at integer not null, bytes integer not null,
-  body blob not null);
+  body blob not null, late integer not null default 0, fixed integer not null default 0);
 create table if not exists catalogues(identity integer primary key, body blob not null);
 create table if not exists positions(
   name text primary key, epoch integer not null, sequence integer not null) without rowid;
 )";
+// A file of an earlier version: its records may have been sent.
+constexpr const char* kUpgrade = R"(
+alter table records add column late integer not null default 0;
+alter table records add column fixed integer not null default 0;
+update records set fixed = 1;
+)";
+constexpr const char* kIsOld =
+    "select count(*) from pragma_table_info('records') where name = 'fixed'";
 // SqlConnection binds texts; the cast stores the bytes as they are.
 constexpr const char* kInsert =
-    "insert into records(kind, bus, device, epoch, identity, samples, appended_at, bytes, body) "
-    "values($1, $2, $3, $4, $5, $6, $7, $8, cast($9 as blob))";
+    "insert into records(kind, bus, device, epoch, identity, samples, appended_at, bytes, body, "
+    "late, fixed) values($1, $2, $3, $4, $5, $6, $7, $8, cast($9 as blob), $10, $11)";
 constexpr const char* kKeepCatalogue =
     "insert or ignore into catalogues(identity, body) values($1, cast($2 as blob))";
 constexpr const char* kKeepPosition =
     "insert into positions(name, epoch, sequence) values($1, $2, $3) "
     "on conflict(name) do update set epoch = excluded.epoch, sequence = excluded.sequence";
 constexpr const char* kRead =
-    "select id, kind, bus, device, epoch, identity, samples, body from records where id > $1 "
-    "order by id";
+    "select id, kind, bus, device, epoch, identity, samples, body, late, fixed from records "
+    "where id > $1 order by id";
+constexpr const char* kLastBefore =
+    "select id from records where id > $1 and appended_at < $2 order by id desc limit 1";
+constexpr const char* kFix =
+    "update records set fixed = 1 where id > $1 and id <= $2 and fixed = 0";
+constexpr const char* kMerge =
+    "update records set identity = $1, samples = $2, bytes = $3, body = cast($4 as blob), fixed = "
+    "1 "
+    "where id = $5";
 constexpr const char* kRemove = "delete from records where id = $1 returning samples, bytes";
 constexpr const char* kOldest =
     "select id, samples, bytes from records where kind = $1 order by id limit 64";
@@ -58,6 +75,7 @@ Record record_of(const SqlRow& row) {
           .epoch = number_at(row, 4),
           .identity = number_at(row, 5),
           .samples = static_cast<std::uint32_t>(integer_at(row, 6)),
+          .is_late = integer_at(row, 8) != 0,
           .body = text_at(row, 7)};
 }
 
@@ -65,6 +83,12 @@ std::unique_ptr<SqlConnection> open_queue(const std::string& path) {
   try {
     auto connection = open_sqlite(path, IfMissing::kCreate);
     connection->script(kTables);
+    bool is_old = false;
+    connection->query(kIsOld, {}, [&is_old](const SqlRow& row) {
+      is_old = integer_at(row, 0) == 0;
+      return false;
+    });
+    if (is_old) connection->script(kUpgrade);
     SqlTransaction(*connection).commit();  // the first transaction takes the lock
     return connection;
   } catch (const StoreError& error) {
@@ -122,10 +146,11 @@ void Queue::append_all(std::span<const Record> records, std::span<const NamedPos
     const std::uint64_t bytes = record.body.size() + kRowBytes;
     if (record.kind == RecordKind::kCatalogue)
       connection_->execute(kKeepCatalogue, SqlRow{as_integer(record.identity), record.body});
-    connection_->execute(kInsert, SqlRow{std::int64_t{static_cast<std::uint8_t>(record.kind)},
-                                         record.bus, record.device, as_integer(record.epoch),
-                                         as_integer(record.identity), std::int64_t{record.samples},
-                                         now.nanoseconds, as_integer(bytes), record.body});
+    connection_->execute(
+        kInsert, SqlRow{std::int64_t{static_cast<std::uint8_t>(record.kind)}, record.bus,
+                        record.device, as_integer(record.epoch), as_integer(record.identity),
+                        std::int64_t{record.samples}, now.nanoseconds, as_integer(bytes),
+                        record.body, std::int64_t{record.is_late}, std::int64_t{sending_}});
     ++counters.records;
     counters.bytes += bytes;
   }
@@ -194,12 +219,85 @@ std::vector<Record> Queue::read(std::uint64_t after, std::size_t most_records,
   const std::lock_guard lock(mutex_);
   std::vector<Record> records;
   std::size_t bytes = 0;
+  bool is_fixed = true;
   connection_->query(kRead, {as_integer(after)}, [&](const SqlRow& row) {
     records.push_back(record_of(row));
     bytes += records.back().body.size();
+    is_fixed = is_fixed && integer_at(row, 9) != 0;
     return records.size() < most_records && bytes < most_bytes;
   });
+  if (!is_fixed) {  // appended while nothing was sent
+    SqlTransaction transaction(*connection_);
+    connection_->execute(kFix, SqlRow{as_integer(after), as_integer(records.back().id)});
+    transaction.commit();
+  }
   return records;
+}
+
+Queue::Merged Queue::read_merged(const Range& range) {
+  constexpr std::size_t kMostRows = 4096, kMostRead = 2u << 20;
+  const std::lock_guard lock(mutex_);
+  Merging merging(kMergedBytes, kMergedSamples);
+  Merged merged{.records = {}, .read_to = range.to};
+  std::size_t rows = 0, bytes = 0;
+  connection_->query(kRead, {as_integer(range.after)}, [&](const SqlRow& row) {
+    Record record = record_of(row);
+    if (record.id > range.to) return false;
+    if (++rows > kMostRows || bytes > kMostRead) {
+      merged.read_to = record.id - 1;
+      return false;
+    }
+    bytes += record.body.size();
+    const bool is_fixed = integer_at(row, 9) != 0 && record.id <= range.unread_after;
+    merging.add(std::move(record), !is_fixed);
+    return true;
+  });
+  Merging::Result result = merging.take();
+  store(result, {range.after, merged.read_to, range.unread_after});
+  merged.records = std::move(result.records);
+  return merged;
+}
+
+void Queue::store(const Merging::Result& result, const Range& range) {
+  Counters counters = counters_;
+  SqlTransaction transaction(*connection_);
+  const auto remove_row = [&](std::uint64_t id) {
+    connection_->query(kRemove, {as_integer(id)}, [&counters](const SqlRow& row) {
+      --counters.records;
+      counters.bytes -= number_at(row, 1);
+      return true;
+    });
+  };
+  for (const std::uint64_t id : result.removed) remove_row(id);
+  for (const Record& record : result.records) {
+    if (!result.merged.contains(record.id)) continue;
+    const std::uint64_t bytes = record.body.size() + kRowBytes;
+    connection_->query("select bytes from records where id = $1", {as_integer(record.id)},
+                       [&](const SqlRow& row) {
+                         counters.bytes += bytes - number_at(row, 0);
+                         return false;
+                       });
+    connection_->execute(kMerge, SqlRow{as_integer(record.identity), std::int64_t{record.samples},
+                                        as_integer(bytes), record.body, as_integer(record.id)});
+  }
+  connection_->execute(kFix, SqlRow{as_integer(range.after), as_integer(range.to)});
+  transaction.commit();
+  counters_ = counters;
+}
+
+std::uint64_t Queue::last_before(UtcTime before, std::uint64_t after) {
+  const std::lock_guard lock(mutex_);
+  const auto rows = rows_of(*connection_, kLastBefore, {as_integer(after), before.nanoseconds});
+  return rows.empty() ? 0 : number_at(rows.front(), 0);
+}
+
+std::uint64_t Queue::last() {
+  return last_before(UtcTime{std::numeric_limits<std::int64_t>::max()}, 0);
+}
+
+void Queue::set_sending(bool sending) {
+  const std::lock_guard lock(mutex_);
+  sending_ = sending;
 }
 
 void Queue::remove(std::span<const std::uint64_t> ids) {

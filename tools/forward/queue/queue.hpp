@@ -20,23 +20,12 @@
 
 #include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
+#include "tools/forward/batch/record.hpp"
 #include "tools/forward/batch/sample_batch.hpp"
 #include "tools/forward/batch/thinning.hpp"
+#include "tools/forward/queue/merging.hpp"
 
 namespace fieldcast::forward {
-
-// The numbers are stored.
-enum class RecordKind : std::uint8_t { kSamples = 0, kCatalogue = 1, kAlarm = 2 };
-
-struct Record {
-  std::uint64_t id = 0;  // ascending in the order of append()
-  RecordKind kind = RecordKind::kSamples;
-  std::string bus, device;
-  std::uint64_t epoch = 0;     // of samples
-  std::uint64_t identity = 0;  // of the whole content; thinning does not change it
-  std::uint32_t samples = 0;
-  std::string body;  // protobuf
-};
 
 struct QueueSpec {
   std::string path;
@@ -58,6 +47,27 @@ class Queue {
   // Records after `id`, in their order; at least one if there is one.
   [[nodiscard]] std::vector<Record> read(std::uint64_t after, std::size_t most_records,
                                          std::size_t most_bytes);
+
+  struct Range {  // of ids
+    std::uint64_t after = 0, to = 0;
+    // Records after this id were not read before, so that no message of them was sent.
+    std::uint64_t unread_after = 0;
+  };
+  struct Merged {
+    std::vector<Record> records;
+    std::uint64_t read_to = 0;  // the end of the range if nothing is left in it
+  };
+  // Reads a part of the range. Records of one device that were not sent yet are merged in the file,
+  // in their order, up to kMergedBytes and kMergedSamples. A merged record is never merged again:
+  // the identity of a message that was sent stays the same after a crash.
+  [[nodiscard]] Merged read_merged(const Range& range);
+  // The last record after `after` that was appended before `before`; 0 if there is none.
+  [[nodiscard]] std::uint64_t last_before(UtcTime before, std::uint64_t after);
+  // The last record; 0 if there is none.
+  [[nodiscard]] std::uint64_t last();
+  // True while read() returns new records soon: they are not merged later.
+  void set_sending(bool sending);
+
   // Removes acknowledged records.
   void remove(std::span<const std::uint64_t> ids);
   // Drops records that are older than QueueSpec::keep, and returns free pages to the disk.
@@ -80,6 +90,7 @@ class Queue {
   static constexpr std::uint64_t kRowBytes = 120;
 
   static constexpr std::uint64_t kMargin = 50;  // part of max_bytes
+  static constexpr std::size_t kMergedBytes = 32u << 10, kMergedSamples = 4'000;
 
   template <class Work>
   void write(Work work);
@@ -87,6 +98,7 @@ class Queue {
   void append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
                   UtcTime now);
   void remove_all(std::span<const std::uint64_t> ids);
+  void store(const Merging::Result& result, const Range& range);
   void make_space(Counters& counters);
   // Return false if no record is left to thin or to drop.
   [[nodiscard]] bool thin_oldest(Counters& counters);
@@ -99,6 +111,7 @@ class Queue {
   std::unique_ptr<SqlConnection> connection_;
   Thinning thinning_;
   std::uint64_t thinned_to_ = 0;  // records up to this id are thinned
+  bool sending_ = false;
   Counters counters_;
 };
 

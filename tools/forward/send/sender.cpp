@@ -11,12 +11,12 @@
 
 namespace fieldcast::forward {
 
-Sender::Sender(const SendSpec& spec, Queue& queue, MessageMaker maker)
+Sender::Sender(const SendSpec& spec, Queue& queue)
     : spec_(spec),
       queue_(queue),
-      maker_(std::move(maker)),
       window_(spec.in_flight),
-      rate_(spec.max_rate) {}
+      rate_(spec.max_rate),
+      unread_after_(queue.last()) {}
 
 void Sender::start(std::unique_ptr<Outlet> outlet) {
   outlet_ = std::move(outlet);
@@ -65,70 +65,119 @@ void Sender::run() {
     wait(now);
   }
   try {
-    take_results();
+    take_results(steady_now());
   } catch (const StoreError&) {}  // these records are sent again after the next start
 }
 
 void Sender::turn(Instant now) {
-  take_results();
+  take_results(now);
   const bool is_ready = outlet_->is_ready(now);
+  bool was_ready = false;
   {
     const std::lock_guard lock(mutex_);
-    counters_.is_ready = is_ready;
+    was_ready = std::exchange(counters_.is_ready, is_ready);
   }
-  if (!is_ready) return;
-  load();
+  if (is_ready != was_ready) queue_.set_sending(is_ready);
+  if (!is_ready) {
+    if (was_ready) unload();
+    return;
+  }
+  load(now);
   send(now);
+  outlet_->flush();
+  take_results(steady_now());
 }
 
-void Sender::load() {
-  while (loaded_.size() < kMostRecords && loaded_bytes_ < kMostBytes) {
-    const auto records = queue_.read(read_to_, kMostRecords / 4, kMostBytes / 4);
-    if (records.empty()) return;
-    for (const Record& record : records) {
-      read_to_ = record.id;
-      auto message = maker_.make(record);
-      if (!message) {
-        log_counted(LogLevel::kError, "queue", "records that cannot be decoded",
-                    fmt::format("record {} of {}/{} cannot be decoded; it is removed", record.id,
-                                record.bus, record.device));
-        finished_.push_back(record.id);
-        const std::lock_guard lock(mutex_);
-        ++counters_.refused;
-        continue;
-      }
-      window_.add(record.id, message->subject);
-      loaded_bytes_ += message->payload.size();
-      loaded_.emplace(record.id, Loaded{*std::move(message), record.samples});
+void Sender::unload() {
+  window_.clear();
+  loaded_.clear();
+  memory_ = late_memory_ = {};
+  late_window_ = {};
+  read_to_ = 0;
+  late_.clear();
+  next_shift_ = {};
+}
+
+void Sender::load(Instant now) {
+  shift_late(now);
+  while (memory_.has_space()) {
+    auto records = queue_.read(read_to_, kMostRecords / 4, kMostBytes / 4);
+    if (records.empty()) break;
+    read_to_ = records.back().id;
+    unread_after_ = std::max(unread_after_, read_to_);
+    for (Record& record : records) add(std::move(record));
+  }
+  while (!late_.empty() && late_memory_.has_space()) {
+    Queue::Range& range = late_.front();
+    auto merged = queue_.read_merged(range);
+    range.after = merged.read_to;
+    unread_after_ = std::max(unread_after_, merged.read_to);
+    if (merged.read_to >= range.to) late_.pop_front();
+    for (Record& record : merged.records) {
+      record.is_late = record.kind == RecordKind::kSamples;
+      add(std::move(record));
     }
   }
 }
 
-void Sender::take_results() {
+// New records that became too old before they were read are left to the reader of late ones.
+void Sender::shift_late(Instant now) {
+  constexpr Duration kPause = std::chrono::seconds{1};
+  if (now < next_shift_) return;
+  next_shift_ = now + kPause;
+  const UtcTime before{
+      saturated_difference(read_clocks().utc.nanoseconds, spec_.late_after.count())};
+  const std::uint64_t last = queue_.last_before(before, read_to_);
+  if (last <= read_to_) return;
+  late_.push_back({read_to_, last, unread_after_});
+  read_to_ = last;
+}
+
+void Sender::add(Record record) {
+  Memory& memory = memory_of(record);
+  ++memory.records;
+  memory.bytes += record.body.size();
+  window_.add(record.id, lane_of(record));
+  const std::uint64_t id = record.id;
+  loaded_.emplace(id, Loaded{std::move(record)});
+}
+
+void Sender::take_results(Instant now) {
   Counters added;
   for (const OutletResult& result : outlet_->take_results()) {
-    if (result.outcome == Outcome::kFailed) {
-      window_.fail(result.record);
+    const auto loaded = loaded_.find(result.record);
+    const bool is_failed = result.outcome == Outcome::kFailed;
+    // Records of an earlier connection are not in flight: they are sent again.
+    if (!(is_failed ? window_.fail(result.record) : window_.finish(result.record))) continue;
+    const auto& [record, bytes, sent] = loaded->second;
+    if (record.is_late && result.outcome == Outcome::kAcknowledged) {
+      late_window_.acknowledged(bytes, now - sent, now);
+      added.late += record.samples;
+    } else if (record.is_late) {
+      late_window_.failed(bytes);
+    }
+    if (is_failed) {
       ++added.repeated;
       continue;
     }
-    if (!window_.finish(result.record)) continue;
-    const auto loaded = loaded_.find(result.record);
     if (result.outcome == Outcome::kAcknowledged) {
       ++added.messages;
-      added.samples += loaded->second.samples;
-      added.bytes += loaded->second.message.payload.size();
+      added.samples += record.samples;
+      added.bytes += bytes;
     } else {
       ++added.refused;
     }
-    loaded_bytes_ -= loaded->second.message.payload.size();
-    loaded_.erase(loaded);
+    Memory& memory = memory_of(record);
+    --memory.records;
+    memory.bytes -= record.body.size();
     finished_.push_back(result.record);
+    loaded_.erase(loaded);
   }
   {
     const std::lock_guard lock(mutex_);
     counters_.messages += added.messages;
     counters_.samples += added.samples;
+    counters_.late += added.late;
     counters_.bytes += added.bytes;
     counters_.repeated += added.repeated;
     counters_.refused += added.refused;
@@ -140,14 +189,18 @@ void Sender::take_results() {
 
 void Sender::send(Instant now) {
   while (rate_.allows(now)) {
-    const auto id = window_.next();
+    const auto id = window_.next(late_window_.allows());
     if (!id) return;
-    const OutletMessage& message = loaded_.at(*id).message;
-    if (!outlet_->send(message)) {
+    Loaded& loaded = loaded_.at(*id);
+    const auto bytes = outlet_->send(loaded.record);
+    if (!bytes) {
       window_.fail(*id);
       return;
     }
-    rate_.sent(message.payload.size() + message.subject.size() + message.id.size(), now);
+    loaded.bytes = *bytes;
+    loaded.sent = now;
+    if (loaded.record.is_late) late_window_.sent(*bytes);
+    rate_.sent(*bytes, now);
   }
 }
 

@@ -4,18 +4,22 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <variant>
 #include <vector>
 
 #include "config/document/fault.hpp"
 #include "config/files/file_reader.hpp"
 #include "core/model/spec.hpp"
 #include "tools/forward/batch/gatherer.hpp"
-#include "tools/forward/outlet/jetstream_spec.hpp"
+#include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
-#include "tools/forward/send/message_maker.hpp"
 #include "tools/forward/send/sender.hpp"
 
 namespace fieldcast::forward {
+
+// The engine, by the section of the configuration.
+using OutletSpec = std::variant<JetStreamSpec>;
 
 struct ForwardSpec {
   std::string site;
@@ -24,8 +28,8 @@ struct ForwardSpec {
   QueueSpec queue;
   GatherSpec gather;
   PayloadSpec payload;
-  JetStreamSpec jetstream;
   SendSpec send;
+  OutletSpec outlet;
 };
 
 using LoadedForward = tl::expected<ForwardSpec, std::vector<config::Fault>>;

@@ -36,9 +36,8 @@ constexpr config::SizeRule kSize{.min = 1'000'000,
 
 constexpr Duration kMostGather = std::chrono::minutes{1};
 constexpr Duration kLeastGather = std::chrono::milliseconds{10};
-constexpr Duration kLeastWait = std::chrono::milliseconds{100};
-constexpr Duration kMostWait = std::chrono::minutes{5};
-constexpr Duration kMostDuplicates = std::chrono::hours{24 * 7};
+constexpr Duration kLeastLate = std::chrono::seconds{1};
+constexpr Duration kMostLate = std::chrono::hours{24};
 
 }  // namespace
 
@@ -60,7 +59,8 @@ const Rows<ForwardSpec>& forward_rows() {
             .schema = "{}"}},
           {{.name = "gather", .text = "when a message is full", .schema = "{}"}},
           {{.name = "payload", .text = "the form of the messages", .schema = "{}"}},
-          {{.name = "jetstream", .text = "the NATS servers", .schema = "{}"}},
+          {{.name = "send", .text = "in which order and how fast", .schema = "{}"}},
+          {{.name = "jetstream", .text = "the engine: servers of NATS JetStream", .schema = "{}"}},
       });
   return rows;
 }
@@ -120,97 +120,30 @@ const Rows<PayloadSpec>& payload_rows() {
   return rows;
 }
 
-const Rows<StreamSpec>& stream_rows() {
-  static const Rows<StreamSpec> rows(
-      "streams", "'streams'",
+const Rows<SendSpec>& send_rows() {
+  static const Rows<SendSpec> rows(
+      "send", "'send'",
       {
-          field<StreamSpec>({.name = "create",
-                             .fallback = "`false`",
-                             .text = "creates the streams and the bucket if they are missing; "
-                                     "existing ones are not changed"},
-                            &StreamSpec::create, config::FlagRule{}),
-          field<StreamSpec>({.name = "replicas",
-                             .fallback = "`1`",
-                             .text = "servers that store each message; 3 in a cluster"},
-                            &StreamSpec::replicas, config::WholeRule{1, 5}),
-          field<StreamSpec>({.name = "keep",
-                             .fallback = "`forever`",
-                             .text = "how long the streams keep a message"},
-                            &StreamSpec::keep, config::KeepRule{}),
-          field<StreamSpec>({.name = "duplicates",
-                             .fallback = "`10min`",
-                             .text = "how long the server recognises a repeated message"},
-                            &StreamSpec::duplicates,
-                            config::DurationRule{std::chrono::seconds{1}, kMostDuplicates}),
-      });
-  return rows;
-}
-
-const Rows<JetStreamKeys>& jetstream_rows() {
-  const auto text = [](const char* name, const char* fallback, const char* what) {
-    return config::Field<JetStreamKeys>{
-        {.name = name, .fallback = fallback, .text = what, .schema = "{}"}};
-  };
-  const auto outlet = [](auto member) {
-    return [member](JetStreamKeys & keys) -> auto& { return keys.outlet.*member; };
-  };
-  static const Rows<JetStreamKeys> rows(
-      "jetstream", "'jetstream'",
-      {
-          text("servers", "`[nats://127.0.0.1:4222]`",
-               "of one cluster, each `nats://HOST:PORT` or `tls://HOST:PORT`; off this machine "
-               "with TLS"),
-          text("authority", "those of the system",
-               "a PEM file with the authorities of the servers' certificates"),
-          text("certificate", "none", "a PEM file with the certificate of this client"),
-          text("key", "none", "a PEM file with its private key"),
-          field<JetStreamKeys>({.name = "user", .fallback = "none", .text = "with `password-file`"},
-                               outlet(&JetStreamSpec::user), config::TextRule{256}),
-          text("password-file", "none", "a file whose first line is the password"),
-          text("token-file", "none", "a file whose first line is the token"),
-          text("credentials", "none", "a file with a JWT and its key, as `nsc` makes it"),
-          field<JetStreamKeys>({.name = "without-tls",
-                                .fallback = "`false`",
-                                .text = "allows `nats://` off this machine: values and the login "
-                                        "are readable in the network"},
-                               outlet(&JetStreamSpec::without_tls), config::FlagRule{}),
-          field<JetStreamKeys>({.name = "acknowledgement",
-                                .fallback = "`5s`",
-                                .text = "a message without an acknowledgement in this time is sent "
-                                        "again"},
-                               outlet(&JetStreamSpec::acknowledgement),
-                               config::DurationRule{kLeastWait, kMostWait}),
-          field<JetStreamKeys>(
-              {.name = "in-flight",
-               .fallback = "`256`",
-               .text = "messages that wait for an acknowledgement; one of each device"},
-              [](JetStreamKeys & keys) -> auto& { return keys.send.in_flight; },
-              config::WholeRule{1, 4'096}),
-          field<JetStreamKeys>(
-              {.name = "max-rate",
-               .fallback = "no limit",
-               .text = "of the messages, without TLS and TCP"},
-              [](JetStreamKeys & keys) -> auto& { return keys.send.max_rate; }, kRate),
-          field<JetStreamKeys>({.name = "sample-stream",
-                                .fallback = "`FIELDCAST`",
-                                .text = "the name, if it is created"},
-                               outlet(&JetStreamSpec::sample_stream), config::NameRule{}),
-          field<JetStreamKeys>({.name = "alarm-stream",
-                                .fallback = "`FIELDCAST_ALARMS`",
-                                .text = "the name, if it is created"},
-                               outlet(&JetStreamSpec::alarm_stream), config::NameRule{}),
-          field<JetStreamKeys>({.name = "bucket",
-                                .fallback = "`fieldcast-catalogue`",
-                                .text = "the key-value bucket of the catalogues"},
-                               outlet(&JetStreamSpec::bucket), config::NameRule{}),
-          text("streams", "used, not created", "how missing streams are created"),
+          field<SendSpec>({.name = "in-flight",
+                           .fallback = "`256`",
+                           .text = "messages that wait for an acknowledgement; one of each device"},
+                          &SendSpec::in_flight, config::WholeRule{1, 4'096}),
+          field<SendSpec>({.name = "max-rate",
+                           .fallback = "no limit",
+                           .text = "of the messages, without TLS and TCP"},
+                          &SendSpec::max_rate, kRate),
+          field<SendSpec>({.name = "late-after",
+                           .fallback = "`10s`",
+                           .text = "samples that are older when they can be sent are late: newer "
+                                   "ones are sent first"},
+                          &SendSpec::late_after, config::DurationRule{kLeastLate, kMostLate}),
       });
   return rows;
 }
 
 std::vector<DocumentedKey> documented_keys() {
   std::vector<DocumentedKey> all;
-  const auto add = [&all](const std::string& prefix, const config::RowTable& table) {
+  const AddKeys add = [&all](const std::string& prefix, const config::RowTable& table) {
     for (const config::Key& row : table.rows)
       all.push_back({prefix + std::string(row.name), row.fallback, row.form, row.text});
   };
@@ -218,8 +151,8 @@ std::vector<DocumentedKey> documented_keys() {
   add("queue.", queue_rows());
   add("gather.", gather_rows());
   add("payload.", payload_rows());
-  add("jetstream.", jetstream_rows());
-  add("jetstream.streams.", stream_rows());
+  add("send.", send_rows());
+  for (const OutletSection& section : outlet_sections()) section.document(add);
   return all;
 }
 

@@ -1,4 +1,4 @@
-#include "tools/forward/outlet/jetstream.hpp"
+#include "tools/forward/outlet/nats/jetstream.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "bridge/log/log.hpp"
-#include "tools/forward/outlet/nats_options.hpp"
-#include "tools/forward/outlet/streams.hpp"
+#include "tools/forward/outlet/nats/nats_options.hpp"
+#include "tools/forward/outlet/nats/streams.hpp"
+#include "tools/forward/outlet/nats/subject.hpp"
+#include "tools/forward/outlet/undecodable.hpp"
 
 namespace fieldcast::forward {
 
@@ -63,12 +65,16 @@ void log_failed(std::string_view subject, const jsPubAckErr* error) {
 
 // Lives until the library has ended its threads: its callbacks use this object.
 struct JetStreamOutlet::State {
+  State(const JetStreamSpec& spec_of_outlet, OutletContext context_of_outlet)
+      : spec(spec_of_outlet),
+        context_of(std::move(context_of_outlet)),
+        payloads(context_of.site, context_of.payload, context_of.catalogue) {}
+
   const JetStreamSpec spec;
-  const std::string name;
-  const std::uint32_t in_flight;
-  const std::function<void()> wake;
+  const OutletContext context_of;
 
   // Of the thread that uses the outlet.
+  PayloadMaker payloads;
   NatsConnection connection;
   JetStreamContext context;
   bool has_streams = false;
@@ -112,12 +118,12 @@ void JetStreamOutlet::State::finish(const std::string& id, Outcome outcome) {
     results.push_back({found->second, outcome});
     pending.erase(found);
   }
-  wake();
+  context_of.wake();
 }
 
 void JetStreamOutlet::State::on_connected(natsConnection* from, void* closure) {
   log_info(kSubject, "connected to " + server_of(from));
-  static_cast<State*>(closure)->wake();
+  static_cast<State*>(closure)->context_of.wake();
 }
 
 void JetStreamOutlet::State::on_disconnected(natsConnection* from, void* closure) {
@@ -131,12 +137,12 @@ void JetStreamOutlet::State::on_closed(natsConnection* from, void* closure) {
   if (self.is_closing) return;
   log_counted(LogLevel::kWarning, kSubject, "closed connections",
               fmt::format("connection closed: {}", reason_of(from)));
-  self.wake();
+  self.context_of.wake();
 }
 
 void JetStreamOutlet::State::connect(Instant now) {
   next_attempt = now + kPause;
-  auto options = nats_options(spec, name);
+  auto options = nats_options(spec, "fieldcast-forward " + context_of.site);
   if (!options) {
     log_counted(LogLevel::kError, kSubject, "faults of the login", options.error());
     return;
@@ -158,7 +164,8 @@ void JetStreamOutlet::State::connect(Instant now) {
   log_info(kSubject, "connected to " + server_of(made));
   jsOptions context_options;
   jsOptions_Init(&context_options);
-  context_options.PublishAsync.MaxPending = in_flight + 1;  // so that a publish never waits
+  context_options.PublishAsync.MaxPending =
+      context_of.in_flight + 1;  // so that a publish never waits
   context_options.PublishAsync.AckHandler = on_result;
   context_options.PublishAsync.AckHandlerClosure = this;
   jsCtx* js = nullptr;
@@ -181,9 +188,8 @@ void JetStreamOutlet::State::disconnect() {
   pending.clear();
 }
 
-JetStreamOutlet::JetStreamOutlet(const JetStreamSpec& spec, std::string name,
-                                 std::uint32_t in_flight, std::function<void()> wake)
-    : state_(new State{spec, std::move(name), in_flight, std::move(wake)}) {}
+JetStreamOutlet::JetStreamOutlet(const JetStreamSpec& spec, OutletContext context)
+    : state_(new State(spec, std::move(context))) {}
 
 JetStreamOutlet::~JetStreamOutlet() {
   state_->disconnect();
@@ -211,32 +217,41 @@ bool JetStreamOutlet::is_ready(Instant now) {
   return true;
 }
 
-bool JetStreamOutlet::send(const OutletMessage& message) {
-  natsMsg* made = nullptr;
-  if (natsMsg_Create(&made, message.subject.c_str(), nullptr, message.payload.data(),
-                     static_cast<int>(message.payload.size())) != NATS_OK)
-    return false;
+std::optional<std::size_t> JetStreamOutlet::send(const Record& record) {
+  const std::string id = message_id_of(state_->context_of.site, record);
+  const std::string subject = subject_of(state_->context_of.site, state_->spec.bucket, record);
+  const auto payload = state_->payloads.payload_of(record);
   {
     const std::lock_guard lock(state_->mutex);
-    state_->pending[message.id] = message.record;
+    state_->pending[id] = record.id;
   }
-  jsPubOptions options;
-  jsPubOptions_Init(&options);
-  options.MsgId = message.id.c_str();
-  options.MaxWait = state_->spec.acknowledgement / std::chrono::milliseconds{1};
-  const natsStatus status = js_PublishMsgAsync(state_->context.get(), &made, &options);
-  natsMsg_Destroy(made);
-  if (status == NATS_OK) return true;
+  if (!payload) {
+    log_undecodable(record);
+    state_->finish(id, Outcome::kRefused);
+    return 0;
+  }
+  natsMsg* made = nullptr;
+  natsStatus status = natsMsg_Create(&made, subject.c_str(), nullptr, payload->data(),
+                                     static_cast<int>(payload->size()));
+  if (status == NATS_OK) {
+    jsPubOptions options;
+    jsPubOptions_Init(&options);
+    options.MsgId = id.c_str();
+    options.MaxWait = state_->spec.acknowledgement / std::chrono::milliseconds{1};
+    status = js_PublishMsgAsync(state_->context.get(), &made, &options);
+    natsMsg_Destroy(made);
+  }
+  if (status == NATS_OK) return payload->size() + subject.size() + id.size();
   if (status == NATS_MAX_PAYLOAD) {
-    log_refused(message.subject, message.payload.size(), "max_payload of the server");
-    state_->finish(message.id, Outcome::kRefused);
-    return true;
+    log_refused(subject, payload->size(), "max_payload of the server");
+    state_->finish(id, Outcome::kRefused);
+    return 0;
   }
   log_counted(LogLevel::kWarning, kSubject, "messages that could not be sent",
-              fmt::format("{}: {}", message.subject, natsStatus_GetText(status)));
+              fmt::format("{}: {}", subject, natsStatus_GetText(status)));
   const std::lock_guard lock(state_->mutex);
-  state_->pending.erase(message.id);
-  return false;
+  state_->pending.erase(id);
+  return std::nullopt;
 }
 
 std::vector<OutletResult> JetStreamOutlet::take_results() {

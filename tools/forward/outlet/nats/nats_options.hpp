@@ -4,8 +4,8 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "tools/forward/outlet/jetstream_spec.hpp"
-#include "tools/forward/outlet/nats_handles.hpp"
+#include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/forward/outlet/nats/nats_handles.hpp"
 
 namespace fieldcast::forward {
 

@@ -1,4 +1,4 @@
-#include "tools/forward/send/subject.hpp"
+#include "tools/forward/outlet/nats/subject.hpp"
 
 #include <fmt/format.h>
 
@@ -25,7 +25,8 @@ std::string subject_of(std::string_view site, std::string_view bucket, const Rec
   const std::string path = fmt::format("{}.{}.{}", subject_token(site), subject_token(record.bus),
                                        subject_token(record.device));
   switch (record.kind) {
-    case RecordKind::kSamples: return fmt::format("{}.{}", kSampleSubjects, path);
+    case RecordKind::kSamples:
+      return fmt::format("{}.{}", record.is_late ? kLateSubjects : kSampleSubjects, path);
     case RecordKind::kAlarm: return fmt::format("{}.{}", kAlarmSubjects, path);
     case RecordKind::kCatalogue: break;
   }

@@ -1,4 +1,4 @@
-#include "tools/forward/outlet/nats_options.hpp"
+#include "tools/forward/outlet/nats/nats_options.hpp"
 
 #include <vector>
 

@@ -1,6 +1,8 @@
-#include "tools/forward/outlet/streams.hpp"
+#include "tools/forward/outlet/nats/streams.hpp"
 
 #include <fmt/format.h>
+
+#include <vector>
 
 namespace fieldcast::forward {
 
@@ -14,13 +16,13 @@ Done failure(const std::string& stream, natsStatus status, const char* detail) {
                                          detail == nullptr ? "" : fmt::format(" ({})", detail)));
 }
 
-Done create_stream(jsCtx& context, const std::string& name, const char* subjects,
+Done create_stream(jsCtx& context, const std::string& name, std::vector<const char*> subjects,
                    const StreamSpec& spec) {
   jsStreamConfig config;
   jsStreamConfig_Init(&config);
   config.Name = name.c_str();
-  config.Subjects = &subjects;
-  config.SubjectsLen = 1;
+  config.Subjects = subjects.data();
+  config.SubjectsLen = static_cast<int>(subjects.size());
   config.Storage = js_FileStorage;
   config.Replicas = spec.replicas;
   config.MaxAge = spec.keep.count();
@@ -52,9 +54,11 @@ Done create_bucket(jsCtx& context, const JetStreamSpec& spec) {
 }  // namespace
 
 Done create_streams(jsCtx& context, const JetStreamSpec& spec) {
-  if (auto done = create_stream(context, spec.sample_stream, "fieldcast.>", spec.streams); !done)
+  if (auto done = create_stream(context, spec.sample_stream, {"fieldcast.>", "fieldcast-late.>"},
+                                spec.streams);
+      !done)
     return done;
-  if (auto done = create_stream(context, spec.alarm_stream, "fieldcast-alarm.>", spec.streams);
+  if (auto done = create_stream(context, spec.alarm_stream, {"fieldcast-alarm.>"}, spec.streams);
       !done)
     return done;
   return create_bucket(context, spec);

@@ -2,26 +2,23 @@
 // after a refused login with the files read again. Callbacks run on threads of the library.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <string>
+#include <optional>
+#include <vector>
 
-#include "tools/forward/outlet/jetstream_spec.hpp"
+#include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/outlet.hpp"
 
 namespace fieldcast::forward {
 
 class JetStreamOutlet final : public Outlet {
  public:
-  // Calls `wake` when there are results, or when the connection has changed. `name` is shown by the
-  // server. `in_flight`: the most messages without a result.
-  JetStreamOutlet(const JetStreamSpec& spec, std::string name, std::uint32_t in_flight,
-                  std::function<void()> wake);
+  JetStreamOutlet(const JetStreamSpec& spec, OutletContext context);
   // Waits for the threads of the library.
   ~JetStreamOutlet() override;
 
   [[nodiscard]] bool is_ready(Instant now) override;
-  [[nodiscard]] bool send(const OutletMessage& message) override;
+  [[nodiscard]] std::optional<std::size_t> send(const Record& record) override;
   [[nodiscard]] std::vector<OutletResult> take_results() override;
 
  private:
