@@ -75,6 +75,7 @@ class Sender {
   // Forgets what was read: the queue is read again when the outlet is ready.
   void unload();
   void load(Instant now);
+  std::uint64_t read(const Queue::Range& range, bool late);
   void shift_late(Instant now);
   void add(Record record);
   void take_results(Instant now);
