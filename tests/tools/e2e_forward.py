@@ -15,9 +15,10 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 import nats
-from plant import Plant, wait_until
+from plant import Failure, Plant, wait_until
 
 BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
 GATHER = 0.2  # seconds
@@ -303,6 +304,56 @@ class Contents(ForwardCase):
         self.wait_for_messages(server, forwarder, count + 4)
         self.assertEqual(len(alarms()), before, "a restarted forwarder does not repeat alarms")
         self.assertEqual(forwarder.stop(), 0)
+
+    def test_after_an_outage_old_samples_are_late(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nsend: {{ late-after: 1s }}")
+        reference = Reference(self.folder)
+        self.addCleanup(reference.stop)
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        server.kill()
+        time.sleep(5)
+        server.start()
+        wait_until(lambda: any(message.subject.startswith("fieldcast-late.north.line.") for message in self.stored(server)), 20, forwarder.log)
+        time.sleep(2)
+        reference.stop()
+        self.assertEqual(forwarder.stop(), 0)
+        messages = self.stored(server)
+        late = [message for message in messages if message.subject.startswith("fieldcast-late.")]
+        self.assertEqual({message.subject for message in late}, {"fieldcast-late.north.line.press=2E1", "fieldcast-late.north.line.mill"})
+        self.assertGreater(max(len(json.loads(message.data)["samples"]) for message in late), 10, "waiting records are merged")
+        live = [message for message in messages if message.subject.startswith("fieldcast.")]
+        arrived = by_channel(deduplicated(messages))
+        for part in (late, live):
+            for samples in by_channel(deduplicated(part)).values():
+                numbers = [(epoch, sample["sequence"]) for epoch, sample in samples]
+                self.assertEqual(numbers, sorted(set(numbers)), "each subject is in order")
+        for channel, samples in reference.samples().items():
+            numbers = collections.Counter(sample["sequence"] for _, sample in arrived[channel])
+            self.assertEqual(max(numbers.values()), 1)
+            first = min(numbers)
+            self.assertEqual([number for number in samples if number > first and number not in numbers], [], channel)
+
+    def test_the_state_of_the_site_is_published_and_served(self):
+        server = self.server().start()
+        port = nats.free_port()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nmetrics: {{ listen: 127.0.0.1:{port} }}")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+
+        def metrics():
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as response:
+                return response.read().decode()
+        self.assertIn('fieldcast_forward_connected{site="north"} 1\n', metrics())
+        wait_until(lambda: int(re.search(r"forward_samples_total\S* (\d+)", metrics())[1]) > 0, 10, metrics)
+
+        def state():
+            with contextlib.suppress(Failure), nats.NatsClient(server.port) as client:
+                return json.loads(client.last("KV_fieldcast-sites", "$KV.fieldcast-sites.north"))
+        wait_until(state, 25, forwarder.log)
+        self.assertEqual((state()["schema"], state()["site"], state()["devices"]), (1, "north", 2))
+        self.assertLess(abs(state()["at"] / 1e9 - time.time()), 30)
 
     def test_protobuf_is_that_of_the_schema(self):
         server = self.server().start()

@@ -10,6 +10,7 @@
 
 #include "core/base/time.hpp"
 #include "tools/forward/batch/record.hpp"
+#include "tools/forward/outlet/site_status.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 
 namespace fieldcast::forward {
@@ -48,6 +49,9 @@ class Outlet {
   // Called after the records of a turn were sent: an engine with transactions commits here. May
   // block for a few seconds.
   virtual void flush() {}
+  // Publishes the state of this site, if the engine has a place for it. Called each ten seconds
+  // while the outlet is ready. There is no result.
+  virtual void report(const SiteStatus& /*status*/) {}
   [[nodiscard]] virtual std::vector<OutletResult> take_results() = 0;
 };
 

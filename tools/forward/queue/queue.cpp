@@ -342,6 +342,13 @@ std::vector<NamedPosition> Queue::positions() {
   return positions;
 }
 
+UtcTime Queue::oldest() {
+  const std::lock_guard lock(mutex_);
+  const auto rows =
+      rows_of(*connection_, "select appended_at from records order by id limit 1", {});
+  return {rows.empty() ? 0 : integer_at(rows.front(), 0)};
+}
+
 Queue::Counters Queue::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;

@@ -84,6 +84,8 @@ class Queue {
     std::uint64_t dropped_records = 0;     // in all steps, or too old
   };
   [[nodiscard]] Counters counters() const;
+  // When the first waiting record was appended; 0 if there is none.
+  [[nodiscard]] UtcTime oldest();
 
  private:
   // Bytes of a row without its body, as the file has them on average.

@@ -44,6 +44,11 @@ void Sender::stop() {
   outlet_.reset();
 }
 
+void Sender::report(SiteStatus status) {
+  const std::lock_guard lock(mutex_);
+  report_ = std::move(status);
+}
+
 Sender::Counters Sender::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
@@ -73,15 +78,19 @@ void Sender::turn(Instant now) {
   take_results(now);
   const bool is_ready = outlet_->is_ready(now);
   bool was_ready = false;
+  std::optional<SiteStatus> report;
   {
     const std::lock_guard lock(mutex_);
+    counters_.turned = now;
     was_ready = std::exchange(counters_.is_ready, is_ready);
+    report.swap(report_);
   }
   if (is_ready != was_ready) queue_.set_sending(is_ready);
   if (!is_ready) {
     if (was_ready) unload();
     return;
   }
+  if (report) outlet_->report(*report);
   load(now);
   send(now);
   outlet_->flush();

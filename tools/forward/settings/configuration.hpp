@@ -1,6 +1,7 @@
 // Loads the configuration of fieldcast-forward. Stateless functions.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -30,6 +31,7 @@ struct ForwardSpec {
   PayloadSpec payload;
   SendSpec send;
   OutletSpec outlet;
+  std::optional<MetricsSpec> metrics;  // empty: metrics are not served
 };
 
 using LoadedForward = tl::expected<ForwardSpec, std::vector<config::Fault>>;

@@ -100,14 +100,14 @@ struct JetStreamOutlet::State {
 void JetStreamOutlet::State::on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
                                        void* closure) {
   const NatsMessage owned(message);
+  const char* id = nullptr;
+  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) != NATS_OK) return;
   const Outcome outcome = outcome_of(done, error);
   const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(message));
   if (outcome == Outcome::kFailed) log_failed(natsMsg_GetSubject(message), error);
   if (outcome == Outcome::kRefused)
     log_refused(natsMsg_GetSubject(message), bytes, "max_msg_size of the stream");
-  const char* id = nullptr;
-  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) == NATS_OK)
-    static_cast<State*>(closure)->finish(id, outcome);
+  static_cast<State*>(closure)->finish(id, outcome);
 }
 
 void JetStreamOutlet::State::finish(const std::string& id, Outcome outcome) {
@@ -252,6 +252,17 @@ std::optional<std::size_t> JetStreamOutlet::send(const Record& record) {
   const std::lock_guard lock(state_->mutex);
   state_->pending.erase(id);
   return std::nullopt;
+}
+
+// Without an acknowledgement: the next report follows in ten seconds.
+void JetStreamOutlet::report(const SiteStatus& status) {
+  const std::string subject = site_subject_of(state_->spec.site_bucket, status.site);
+  const std::string text = to_json(status);
+  const natsStatus sent = natsConnection_Publish(state_->connection.get(), subject.c_str(),
+                                                 text.data(), static_cast<int>(text.size()));
+  if (sent != NATS_OK)
+    log_counted(LogLevel::kWarning, kSubject, "reports that could not be sent",
+                fmt::format("{}: {}", subject, natsStatus_GetText(sent)));
 }
 
 std::vector<OutletResult> JetStreamOutlet::take_results() {

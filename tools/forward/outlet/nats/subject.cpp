@@ -33,6 +33,10 @@ std::string subject_of(std::string_view site, std::string_view bucket, const Rec
   return fmt::format("$KV.{}.{}.{}", bucket, path, hex_text(record.identity));
 }
 
+std::string site_subject_of(std::string_view bucket, std::string_view site) {
+  return fmt::format("$KV.{}.{}", bucket, subject_token(site));
+}
+
 std::string message_id_of(std::string_view site, const Record& record) {
   return fmt::format("{}/{}/{}/{}", site, record.bus, hex_text(record.epoch),
                      hex_text(record.identity));

@@ -21,6 +21,9 @@ inline constexpr std::string_view kAlarmSubjects = "fieldcast-alarm";
 [[nodiscard]] std::string subject_of(std::string_view site, std::string_view bucket,
                                      const Record& record);
 
+// "$KV.BUCKET.SITE": the state of the site.
+[[nodiscard]] std::string site_subject_of(std::string_view bucket, std::string_view site);
+
 // "SITE/BUS/EPOCH/IDENTITY": equal for each repetition of the record, on any machine.
 [[nodiscard]] std::string message_id_of(std::string_view site, const Record& record);
 
