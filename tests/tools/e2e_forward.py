@@ -355,6 +355,32 @@ class Contents(ForwardCase):
         self.assertEqual((state()["schema"], state()["site"], state()["devices"]), (1, "north", 2))
         self.assertLess(abs(state()["at"] / 1e9 - time.time()), 30)
 
+    def test_the_centre_writes_a_channel_once(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\ncommands:\n  allow:\n"
+                                   "    - { user: anna, channels: [\"line/*/setpoint\"] }")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+
+        def request(user, **members):
+            with nats.NatsClient(server.port) as client:
+                return client.request(f"fieldcast-command.north.{user}",
+                                      {"channel": "line/press.1/setpoint", "expires_at": time.time_ns() + 5_000_000_000, **members})
+        first = request("anna", id="1", value=42, verify=True)
+        self.assertEqual((first["state"], first["values"]), ("verified", [42]), first)
+        self.assertEqual(request("anna", id="1", value=43), first, "a repeated request is not run")
+        self.assertIn("no right", request("ben", id="1", value=43)["reason"])
+        self.assertIn("no right", request("anna", id="2", value=43, channel="line/press.1/running")["reason"])
+        self.assertEqual(request("anna", id="3", value=43, expires_at=time.time_ns() - 1)["state"], "expired")
+        self.assertEqual(forwarder.stop(), 0)
+        with self.assertRaisesRegex(Failure, "nothing serves"):
+            request("anna", id="1", value=43)
+        forwarder.start()
+        wait_until(lambda: forwarder.log().count("connected to") == 2, 20, forwarder.log)
+        self.assertEqual(request("anna", id="1", value=43), first, "also after a restart")
+        watched = plant.cli("watch", "line/press.1/setpoint", "--once", "--json").json_lines()
+        self.assertEqual([sample["value"] for sample in watched if "value" in sample][-1:], [42])
+
     def test_protobuf_is_that_of_the_schema(self):
         server = self.server().start()
         forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]", "format: protobuf")

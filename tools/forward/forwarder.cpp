@@ -73,16 +73,38 @@ void Forwarder::check_disk() const {
 
 void Forwarder::start() {
   check_disk();
+  worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
+  station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
+  subscribe();
+  if (spec_.commands)
+    commands_ =
+        std::make_unique<CommandService>(*spec_.commands, spec_.queue.path + "-commands",
+                                         [this](const CommandRequest& request, Duration lifespan) {
+                                           return execute(request, lifespan);
+                                         });
   sender_.start(make_outlet(
       spec_.outlet,
       {.site = spec_.site,
        .payload = spec_.payload,
        .catalogue = [this](std::uint64_t identity) { return queue_.catalogue(identity); },
        .in_flight = spec_.send.in_flight,
-       .wake = [this] { sender_.wake(); }}));
-  worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
-  station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
-  subscribe();
+       .wake = [this] { sender_.wake(); },
+       .on_command = commands_ ? std::function([this](CentreRequest request) {
+         commands_->on_request(std::move(request));
+       })
+                               : nullptr}));
+}
+
+StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifespan) {
+  StationCommand command{.bus = request.channel.bus,
+                         .command = {.device = request.channel.device,
+                                     .target = ChannelTarget{request.channel.channel},
+                                     .values = {request.value},
+                                     .verify = request.verify},
+                         .lifespan = lifespan,
+                         .person = request.user};
+  constexpr Duration kFinding = std::chrono::seconds{2}, kResult = std::chrono::seconds{3};
+  return station_->execute(std::move(command), kFinding, kResult);
 }
 
 void Forwarder::subscribe() {
@@ -119,6 +141,8 @@ void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
 }
 
 void Forwarder::stop() {
+  // The outlet ends after the commands, whose responses it sends.
+  if (commands_) commands_->close();
   station_.reset();
   worker_.reset();
   sender_.stop();

@@ -15,6 +15,7 @@
 #include "bridge/service/service.hpp"
 #include "bridge/station/station.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/command/command_service.hpp"
 #include "tools/forward/send/sender.hpp"
 #include "tools/forward/settings/configuration.hpp"
 
@@ -52,6 +53,7 @@ class Forwarder {
   static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
 
   void subscribe();
+  [[nodiscard]] StationOutcome execute(const CommandRequest& request, Duration lifespan);
   void check_disk() const;
   void on_alarm(const StationAlarmStatus& alarm);
   void gather(BoundedQueue<int>& commands);
@@ -78,6 +80,7 @@ class Forwarder {
   SiteStatus logged_;
 
   std::unique_ptr<Station> station_;
+  std::unique_ptr<CommandService> commands_;  // null: not accepted
   std::optional<Worker<int>> worker_;
 };
 

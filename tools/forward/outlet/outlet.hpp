@@ -15,6 +15,14 @@
 
 namespace fieldcast::forward {
 
+// A request of the centre to write a channel (tools/forward/command).
+struct CentreRequest {
+  std::string user;  // verified by the permissions of the engine
+  std::string text;
+  // Any thread; at most once. Without effect after the outlet has ended.
+  std::function<void(std::string response)> reply;
+};
+
 // What every outlet needs.
 struct OutletContext {
   std::string site;
@@ -23,6 +31,8 @@ struct OutletContext {
   std::uint32_t in_flight = 256;  // the most records without a result
   // Wakes the sender: there are results, or the connection has changed. Any thread.
   std::function<void()> wake;
+  // Called on a thread of the engine's library; must not block. Null: no commands are accepted.
+  std::function<void(CentreRequest request)> on_command;
 };
 
 enum class Outcome : std::uint8_t {

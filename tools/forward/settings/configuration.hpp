@@ -12,6 +12,7 @@
 #include "config/files/file_reader.hpp"
 #include "core/model/spec.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/command/command_service.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
@@ -31,7 +32,8 @@ struct ForwardSpec {
   PayloadSpec payload;
   SendSpec send;
   OutletSpec outlet;
-  std::optional<MetricsSpec> metrics;  // empty: metrics are not served
+  std::optional<CommandSpec> commands;  // empty: none are accepted
+  std::optional<MetricsSpec> metrics;   // empty: metrics are not served
 };
 
 using LoadedForward = tl::expected<ForwardSpec, std::vector<config::Fault>>;
