@@ -5,24 +5,22 @@ usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
 """
 
 import collections
-import contextlib
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
+import forwarding
 import nats
+from forwarding import REJOIN, UNCOMMITTED
 from plant import Plant, wait_until
 
 BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
 GATHER = 0.2  # seconds
-UNCOMMITTED = 1.5  # seconds before a kill in which a sample may be gathered, but not queued
-REJOIN = 8  # seconds until a restarted forwarder receives samples again
 
 CONFIG = """
 bridge: e2e
@@ -52,64 +50,12 @@ def setUpModule():
     plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
-class Forwarder:
+class NatsForwarder(forwarding.Forwarder):
     def __init__(self, folder, more, payload="format: json", replicas=1):
-        self.folder, self.process = folder, None
-        self.file = os.path.join(folder, "forward.yaml")
-        with open(self.file, "w", encoding="utf-8") as file:
-            file.write(f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
-                       f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
-                       f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
-
-    def start(self):
-        with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", self.file],
-                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL)
-
-    def kill(self):
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
-
-    def stop(self):
-        """Ends it in order; returns its exit code."""
-        if self.process is not None and self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-            try:
-                return self.process.wait(15)
-            except subprocess.TimeoutExpired:
-                self.kill()
-        return None if self.process is None else self.process.returncode
-
-    def log(self):
-        with open(os.path.join(self.folder, "forward.log"), encoding="utf-8") as file:
-            return file.read()
-
-
-class Reference:
-    """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
-
-    def __init__(self, folder):
-        self.path = os.path.join(folder, "watch.jsonl")
-        with open(self.path, "w", encoding="utf-8") as file:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--config", plant.file],
-                                            stdout=file, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-        wait_until(lambda: os.path.getsize(self.path) > 0, 20, "fieldcast watch shows nothing")
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-        self.process.wait(15)
-
-    def samples(self):
-        """{(device, channel): {sequence: sample}}"""
-        found = collections.defaultdict(dict)
-        with open(self.path, encoding="utf-8") as file:
-            for line in file.read().splitlines():
-                with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
-                    sample = json.loads(line)
-                    if "sequence" in sample:
-                        found[sample["device"], sample["channel"]][sample["sequence"]] = sample
-        return found
+        super().__init__(BIN_DIR, folder,
+                         f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
+                         f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
+                         f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
 
 
 class ForwardCase(unittest.TestCase):
@@ -124,7 +70,7 @@ class ForwardCase(unittest.TestCase):
         return server
 
     def forwarder(self, more, payload="format: json", replicas=1):
-        forwarder = Forwarder(self.folder, more, payload, replicas)
+        forwarder = NatsForwarder(self.folder, more, payload, replicas)
         self.addCleanup(forwarder.stop)
         return forwarder
 
@@ -161,7 +107,7 @@ def by_channel(messages):
 class Kills(ForwardCase):
     def setUp(self):
         super().setUp()
-        self.reference = Reference(self.folder)
+        self.reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(self.reference.stop)
 
     def test_every_sample_arrives_once_and_in_order(self):
