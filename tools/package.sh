@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Debian packages fieldcast, fieldcast-dev, fieldcast-sim and libfieldcast-station1 in build/packages.
+# Builds the Debian packages fieldcast, fieldcast-dev, fieldcast-forward, fieldcast-sim and libfieldcast-station1 in build/packages.
 #
 #   tools/package.sh [--arch ARCH] [--suite SUITE]
 #

@@ -5,6 +5,7 @@ usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
 """
 
 import collections
+import contextlib
 import json
 import os
 import re
@@ -13,11 +14,12 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 import forwarding
 import nats
 from forwarding import REJOIN, UNCOMMITTED
-from plant import Plant, wait_until
+from plant import Failure, Plant, wait_until
 
 BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
 GATHER = 0.2  # seconds
@@ -249,6 +251,82 @@ class Contents(ForwardCase):
         self.wait_for_messages(server, forwarder, count + 4)
         self.assertEqual(len(alarms()), before, "a restarted forwarder does not repeat alarms")
         self.assertEqual(forwarder.stop(), 0)
+
+    def test_after_an_outage_old_samples_are_late(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nsend: {{ late-after: 1s }}")
+        reference = forwarding.Reference(plant, self.folder)
+        self.addCleanup(reference.stop)
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+        server.kill()
+        time.sleep(5)
+        server.start()
+        wait_until(lambda: any(message.subject.startswith("fieldcast-late.north.line.") for message in self.stored(server)), 20, forwarder.log)
+        time.sleep(2)
+        reference.stop()
+        self.assertEqual(forwarder.stop(), 0)
+        messages = self.stored(server)
+        late = [message for message in messages if message.subject.startswith("fieldcast-late.")]
+        self.assertEqual({message.subject for message in late}, {"fieldcast-late.north.line.press=2E1", "fieldcast-late.north.line.mill"})
+        self.assertGreater(max(len(json.loads(message.data)["samples"]) for message in late), 10, "waiting records are merged")
+        live = [message for message in messages if message.subject.startswith("fieldcast.")]
+        arrived = by_channel(deduplicated(messages))
+        for part in (late, live):
+            for samples in by_channel(deduplicated(part)).values():
+                numbers = [(epoch, sample["sequence"]) for epoch, sample in samples]
+                self.assertEqual(numbers, sorted(set(numbers)), "each subject is in order")
+        for channel, samples in reference.samples().items():
+            numbers = collections.Counter(sample["sequence"] for _, sample in arrived[channel])
+            self.assertEqual(max(numbers.values()), 1)
+            first = min(numbers)
+            self.assertEqual([number for number in samples if number > first and number not in numbers], [], channel)
+
+    def test_the_state_of_the_site_is_published_and_served(self):
+        server = self.server().start()
+        port = nats.free_port()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nmetrics: {{ listen: 127.0.0.1:{port} }}")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+
+        def metrics():
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as response:
+                return response.read().decode()
+        self.assertIn('fieldcast_forward_connected{site="north"} 1\n', metrics())
+        wait_until(lambda: int(re.search(r"forward_samples_total\S* (\d+)", metrics())[1]) > 0, 10, metrics)
+
+        def state():
+            with contextlib.suppress(Failure), nats.NatsClient(server.port) as client:
+                return json.loads(client.last("KV_fieldcast-sites", "$KV.fieldcast-sites.north"))
+        wait_until(state, 25, forwarder.log)
+        self.assertEqual((state()["schema"], state()["site"], state()["devices"]), (1, "north", 2))
+        self.assertLess(abs(state()["at"] / 1e9 - time.time()), 30)
+
+    def test_the_centre_writes_a_channel_once(self):
+        server = self.server().start()
+        forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\ncommands:\n  allow:\n"
+                                   "    - { user: anna, channels: [\"line/*/setpoint\"] }")
+        forwarder.start()
+        self.wait_for_messages(server, forwarder, 4)
+
+        def request(user, **members):
+            with nats.NatsClient(server.port) as client:
+                return client.request(f"fieldcast-command.north.{user}",
+                                      {"channel": "line/press.1/setpoint", "expires_at": time.time_ns() + 5_000_000_000, **members})
+        first = request("anna", id="1", value=42, verify=True)
+        self.assertEqual((first["state"], first["values"]), ("verified", [42]), first)
+        self.assertEqual(request("anna", id="1", value=43), first, "a repeated request is not run")
+        self.assertIn("no right", request("ben", id="1", value=43)["reason"])
+        self.assertIn("no right", request("anna", id="2", value=43, channel="line/press.1/running")["reason"])
+        self.assertEqual(request("anna", id="3", value=43, expires_at=time.time_ns() - 1)["state"], "expired")
+        self.assertEqual(forwarder.stop(), 0)
+        with self.assertRaisesRegex(Failure, "nothing serves"):
+            request("anna", id="1", value=43)
+        forwarder.start()
+        wait_until(lambda: forwarder.log().count("connected to") == 2, 20, forwarder.log)
+        self.assertEqual(request("anna", id="1", value=43), first, "also after a restart")
+        watched = plant.cli("watch", "line/press.1/setpoint", "--once", "--json").json_lines()
+        self.assertEqual([sample["value"] for sample in watched if "value" in sample][-1:], [42])
 
     def test_protobuf_is_that_of_the_schema(self):
         server = self.server().start()

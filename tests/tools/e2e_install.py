@@ -22,7 +22,7 @@ from held_thread import HeldThread
 from plant import wait_until
 from private_root import PrivateRoot, Unavailable
 
-PACKAGES = ["fieldcast", "fieldcast-sim", "fieldcast-dev", "libfieldcast-station1"]
+PACKAGES = ["fieldcast", "fieldcast-sim", "fieldcast-dev", "fieldcast-forward", "libfieldcast-station1"]
 PACKAGES_DIR = SOURCE_DIR = UNPACKED_DIR = ""
 HERE = os.path.dirname(os.path.abspath(__file__))
 SECONDS = 60  # limit of each wait

@@ -19,8 +19,8 @@ from links import dead_links, links
 
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 LIBRARY = "libfieldcast-station1"
-COMPONENTS = ["fieldcast", "fieldcast-dev", "fieldcast-sim", LIBRARY]
-PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
+COMPONENTS = ["fieldcast", "fieldcast-dev", "fieldcast-forward", "fieldcast-sim", LIBRARY]
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-forward", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
 # All; fieldcast-station with its page is 2.1 MB of it. GCC 14 of Debian 13 makes larger programs than GCC 12.
 MAX_PACKAGES_BYTES = 8_000_000 if glob.glob("/usr/lib/*/libfastdds.so.3.*") else 7_500_000
 
@@ -111,7 +111,7 @@ class Installed(unittest.TestCase):
     def test_the_units_are_such_that_systemd_understands(self):
         if not shutil.which("systemd-analyze"):
             self.skipTest("no systemd-analyze here")
-        for name, installed in [("fieldcast-bridge@plant", "fieldcast-bridge@"), ("fieldcast-station", "fieldcast-station")]:
+        for name, installed in [("fieldcast-bridge@plant", "fieldcast-bridge@"), ("fieldcast-station", "fieldcast-station"), ("fieldcast-forward", "fieldcast-forward")]:
             unit = os.path.join(self.folder, f"{name}.service")
             with open(f"{self.root}/lib/systemd/system/{installed}.service", encoding="utf-8") as template:
                 text = re.sub(r"(?m)^(Exec\w+=)(?=fieldcast)", rf"\1{self.root}/bin/", template.read())
@@ -141,7 +141,7 @@ class Packages(unittest.TestCase):
         usr = f"{root}/usr"
         self.assertIn("channels", run(f"{usr}/bin/fieldcast-bridge", "--check", f"{usr}/share/fieldcast/examples/complete.yaml",
                                       env=environment(usr), cwd="/"))
-        for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/systemd/system/fieldcast-station.service", "lib/udev/rules.d/70-fieldcast.rules",
+        for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/systemd/system/fieldcast-station.service", "lib/systemd/system/fieldcast-forward.service", "lib/udev/rules.d/70-fieldcast.rules",
                      "share/fieldcast/profiles/fieldcast-station.xml", "share/fieldcast/idl/fieldcast.idl"]:
             self.assertTrue(os.path.exists(f"{usr}/{file}"), file)
 

@@ -73,16 +73,38 @@ void Forwarder::check_disk() const {
 
 void Forwarder::start() {
   check_disk();
+  worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
+  station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
+  subscribe();
+  if (spec_.commands)
+    commands_ =
+        std::make_unique<CommandService>(*spec_.commands, spec_.queue.path + "-commands",
+                                         [this](const CommandRequest& request, Duration lifespan) {
+                                           return execute(request, lifespan);
+                                         });
   sender_.start(make_outlet(
       spec_.outlet,
       {.site = spec_.site,
        .payload = spec_.payload,
        .catalogue = [this](std::uint64_t identity) { return queue_.catalogue(identity); },
        .in_flight = spec_.send.in_flight,
-       .wake = [this] { sender_.wake(); }}));
-  worker_.emplace("gather", 1, [this](BoundedQueue<int>& commands) { gather(commands); });
-  station_ = std::make_unique<Station>(spec_.dds, "fieldcast-forward-" + spec_.site);
-  subscribe();
+       .wake = [this] { sender_.wake(); },
+       .on_command = commands_ ? std::function([this](CentreRequest request) {
+         commands_->on_request(std::move(request));
+       })
+                               : nullptr}));
+}
+
+StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifespan) {
+  StationCommand command{.bus = request.channel.bus,
+                         .command = {.device = request.channel.device,
+                                     .target = ChannelTarget{request.channel.channel},
+                                     .values = {request.value},
+                                     .verify = request.verify},
+                         .lifespan = lifespan,
+                         .person = request.user};
+  constexpr Duration kFinding = std::chrono::seconds{2}, kResult = std::chrono::seconds{3};
+  return station_->execute(std::move(command), kFinding, kResult);
 }
 
 void Forwarder::subscribe() {
@@ -119,6 +141,8 @@ void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
 }
 
 void Forwarder::stop() {
+  // The outlet ends after the commands, whose responses it sends.
+  if (commands_) commands_->close();
   station_.reset();
   worker_.reset();
   sender_.stop();
@@ -128,6 +152,7 @@ void Forwarder::gather(BoundedQueue<int>& commands) {
   Instant cleaned = steady_now();
   while (!commands.pause(records_.empty() ? kLook : kLookAfterFault)) {
     append(false);
+    turned_ = steady_now();
     if (steady_now() - cleaned < kClean) continue;
     cleaned = steady_now();
     try {
@@ -176,43 +201,69 @@ void Forwarder::collect(bool all) {
   }
 }
 
-std::string Forwarder::status() const {
+SiteStatus Forwarder::status() {
   const Queue::Counters queue = queue_.counters();
   const Sender::Counters sent = sender_.counters();
-  return fmt::format(
-      "{}, {} messages wait ({:.1f} kB), {} samples ({} late) in {} messages acknowledged, {} "
-      "messages repeated, {} refused",
-      sent.is_ready ? "connected" : "not connected", queue.records,
-      static_cast<double>(queue.bytes) / 1e3, sent.samples, sent.late, sent.messages, sent.repeated,
-      sent.refused);
+  SiteStatus status{.site = spec_.site,
+                    .at = read_clocks().utc,
+                    .started_at = started_at_,
+                    .is_connected = sent.is_ready,
+                    .backlog_records = queue.records,
+                    .backlog_bytes = queue.bytes,
+                    .oldest_at = queue_.oldest(),
+                    .thinned_samples = queue.thinned,
+                    .dropped_samples = queue.dropped_samples,
+                    .dropped_records = queue.dropped_records,
+                    .acknowledged_samples = sent.samples,
+                    .late_samples = sent.late,
+                    .acknowledged_messages = sent.messages,
+                    .acknowledged_bytes = sent.bytes,
+                    .repeated_messages = sent.repeated,
+                    .refused_messages = sent.refused};
+  const std::lock_guard lock(mutex_);
+  status.lost_samples = gatherer_.counters().refused;
+  status.devices = gatherer_.devices();
+  return status;
 }
 
-void Forwarder::log_losses() {
-  const Queue::Counters queue = queue_.counters();
-  if (queue.thinned != logged_queue_.thinned ||
-      queue.dropped_records != logged_queue_.dropped_records) {
+std::vector<BusTurn> Forwarder::turns() const {
+  return {{"queue", turned_.load()}, {"sender", sender_.counters().turned}};
+}
+
+void Forwarder::report() {
+  const SiteStatus now = status();
+  sender_.report(now);
+  if (now.thinned_samples != logged_.thinned_samples ||
+      now.dropped_records != logged_.dropped_records) {
     log_warning("queue",
                 fmt::format("the queue is full or too old: {} samples thinned out, {} messages "
                             "with {} samples dropped since the last report",
-                            queue.thinned - logged_queue_.thinned,
-                            queue.dropped_records - logged_queue_.dropped_records,
-                            queue.dropped_samples - logged_queue_.dropped_samples));
+                            now.thinned_samples - logged_.thinned_samples,
+                            now.dropped_records - logged_.dropped_records,
+                            now.dropped_samples - logged_.dropped_samples));
   }
-  logged_queue_ = queue;
   std::uint64_t lost_alarms = 0;
-  Gatherer::Counters counters;
   {
     const std::lock_guard lock(mutex_);
-    counters = gatherer_.counters();
     lost_alarms = std::exchange(lost_alarms_, 0);
   }
-  if (counters.refused != logged_.refused || lost_alarms != 0) {
+  if (now.lost_samples != logged_.lost_samples || lost_alarms != 0) {
     log_warning("gather",
                 fmt::format("the queue cannot be written fast enough: {} samples and {} alarms "
                             "lost since the last report",
-                            counters.refused - logged_.refused, lost_alarms));
+                            now.lost_samples - logged_.lost_samples, lost_alarms));
   }
-  logged_ = counters;
+  logged_ = now;
+}
+
+std::string to_text(const SiteStatus& status) {
+  return fmt::format(
+      "{}, {} messages wait ({:.1f} kB), {} samples ({} late) in {} messages acknowledged, {} "
+      "messages repeated, {} refused",
+      status.is_connected ? "connected" : "not connected", status.backlog_records,
+      static_cast<double>(status.backlog_bytes) / 1e3, status.acknowledged_samples,
+      status.late_samples, status.acknowledged_messages, status.repeated_messages,
+      status.refused_messages);
 }
 
 }  // namespace fieldcast::forward

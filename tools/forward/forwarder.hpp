@@ -3,15 +3,19 @@
 // appends batches to the queue; the thread `sender` publishes them.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/base/worker.hpp"
+#include "bridge/service/service.hpp"
 #include "bridge/station/station.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/command/command_service.hpp"
 #include "tools/forward/send/sender.hpp"
 #include "tools/forward/settings/configuration.hpp"
 
@@ -31,10 +35,12 @@ class Forwarder {
   // queue. May be called twice.
   void stop();
 
-  // One line: "connected, 12 messages wait (3.1 kB), 12000 samples acknowledged".
-  [[nodiscard]] std::string status() const;
-  // Logs what was removed or refused since the last call.
-  void log_losses();
+  // Any thread. Throws StoreError.
+  [[nodiscard]] SiteStatus status();
+  // Passes the state to the engine, and logs what was removed or refused since the last call.
+  void report();
+  // Last turns of the threads, for the watchdog.
+  [[nodiscard]] std::vector<BusTurn> turns() const;
 
  private:
   // Between two looks for batches that have ended.
@@ -47,6 +53,7 @@ class Forwarder {
   static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
 
   void subscribe();
+  [[nodiscard]] StationOutcome execute(const CommandRequest& request, Duration lifespan);
   void check_disk() const;
   void on_alarm(const StationAlarmStatus& alarm);
   void gather(BoundedQueue<int>& commands);
@@ -62,17 +69,22 @@ class Forwarder {
   Gatherer gatherer_;
   std::vector<StationAlarmStatus> alarms_;
   std::map<std::string, Position, std::less<>> alarm_positions_;
-  std::uint64_t lost_alarms_ = 0;
+  std::uint64_t lost_alarms_ = 0;  // since the last report
 
   // Of the thread `gather`.
   std::vector<Record> records_;  // not appended yet
   std::vector<NamedPosition> positions_;
 
-  Queue::Counters logged_queue_;
-  Gatherer::Counters logged_;
+  const UtcTime started_at_ = read_clocks().utc;
+  std::atomic<Instant> turned_{steady_now()};  // of the thread `gather`
+  SiteStatus logged_;
 
   std::unique_ptr<Station> station_;
+  std::unique_ptr<CommandService> commands_;  // null: not accepted
   std::optional<Worker<int>> worker_;
 };
+
+// One line: "connected, 12 messages wait (3.1 kB), 12000 samples acknowledged, ..".
+[[nodiscard]] std::string to_text(const SiteStatus& status);
 
 }  // namespace fieldcast::forward

@@ -12,11 +12,13 @@
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/metrics/metrics_server.hpp"
 #include "bridge/process/command_line.hpp"
 #include "bridge/process/secret.hpp"
 #include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
+#include "tools/forward/forward_metrics.hpp"
 #include "tools/forward/forwarder.hpp"
 #include "tools/forward/settings/configuration.hpp"
 
@@ -62,24 +64,38 @@ ExitCode serve(fieldcast::Signals& signals, const ForwardSpec& spec) {
   identity.joined(spec.dds, fieldcast::read_clocks().utc);
   Forwarder forwarder(spec);
   forwarder.start();
-  fieldcast::Service service(fieldcast::notify_address(), std::nullopt);
+  std::optional<fieldcast::MetricsServer> metrics;
+  if (spec.metrics)
+    metrics.emplace(
+        spec.metrics->listen,
+        [&forwarder](fieldcast::MetricsFormat format) {
+          return metrics_text(forwarder.status(), format);
+        },
+        [] { return std::string(); });
+  fieldcast::Service service(fieldcast::notify_address(), fieldcast::watchdog_limit());
   fieldcast::log_info("forward",
                       fmt::format("forwards domain {} as site {}", spec.dds.domain, spec.site));
-  service.ready(forwarder.status());
+  service.ready(to_text(forwarder.status()));
+  fieldcast::Instant kept{};
   for (;;) {
-    const int signal = signals.wait(kHousekeeping);
-    fieldcast::log_summaries(fieldcast::steady_now());
-    forwarder.log_losses();
-    service.status(forwarder.status());
-    identity.look(fieldcast::read_clocks().utc);
+    const int signal = signals.wait(service.sleep(kHousekeeping));
+    const fieldcast::Instant now = fieldcast::steady_now();
+    if (service.watched()) service.look(forwarder.turns(), now);
+    if (now - kept >= kHousekeeping) {
+      kept = now;
+      fieldcast::log_summaries(now);
+      forwarder.report();
+      service.status(to_text(forwarder.status()));
+      identity.look(fieldcast::read_clocks().utc);
+    }
     if (signal != SIGTERM && signal != SIGINT) {
-      if (signal != 0) fieldcast::log_info("forward", forwarder.status());
+      if (signal != 0) fieldcast::log_info("forward", to_text(forwarder.status()));
       continue;
     }
     fieldcast::log_info("forward", fmt::format("stopping ({})", ::sigabbrev_np(signal)));
     service.stopping();
     forwarder.stop();
-    fieldcast::log_info("forward", "stopped: " + forwarder.status());
+    fieldcast::log_info("forward", "stopped: " + to_text(forwarder.status()));
     return ExitCode::kOk;
   }
 }

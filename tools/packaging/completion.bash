@@ -1,5 +1,4 @@
-# Bash completion of fieldcast, fieldcast-bridge, fieldcast-port, fieldcast-sim and fieldcast-station. Reads subcommands and options from
-# the program's --help.
+# Bash completion of all programs of Fieldcast. Reads subcommands and options from the program's --help.
 _fieldcast() {
   local word=${COMP_WORDS[COMP_CWORD]} program=$1 subcommand="" choices
   if [ "${program##*/}" = fieldcast ] && [ "$COMP_CWORD" -gt 1 ]; then
@@ -15,4 +14,4 @@ _fieldcast() {
   fi
   mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
 }
-complete -o default -F _fieldcast fieldcast fieldcast-bridge fieldcast-port fieldcast-sim fieldcast-station
+complete -o default -F _fieldcast fieldcast fieldcast-bridge fieldcast-forward fieldcast-port fieldcast-sim fieldcast-station

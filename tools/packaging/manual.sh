@@ -73,9 +73,10 @@ help=$("$program" --help)
   parts exit <<<"$help"
   printf '.SH FILES\n.TP\n.I /etc/fieldcast/NAME.yaml\nThe configuration of the service fieldcast\\-bridge@NAME.\n'
   printf '.TP\n.I /etc/fieldcast/station.yaml\nThe configuration of the service fieldcast\\-station.\n'
+  printf '.TP\n.I /etc/fieldcast/forward.yaml\nThe configuration of the service fieldcast\\-forward.\n'
   printf '.TP\n.I /usr/share/fieldcast/examples\nConfigurations to begin with.\n.TP\n.I /usr/share/doc/fieldcast\nThe documents.\n'
   printf '.SH "SEE ALSO"\n'
-  printf '%s\n' fieldcast fieldcast-bridge fieldcast-port fieldcast-sim fieldcast-station |
+  printf '%s\n' fieldcast fieldcast-bridge fieldcast-forward fieldcast-port fieldcast-sim fieldcast-station |
     sed -e "/^$name\$/d" -e 's/-/\\-/g' -e 's/.*/.BR & (1),/' -e '$s/,$//' | sed '$s/),$/)/'
 } | gzip -9nc >"$page.new"
 mv "$page.new" "$page"

@@ -6,7 +6,7 @@ set(CPACK_PACKAGE_CONTACT "Fieldcast maintainers <maintainers@fieldcast.invalid>
 set(CPACK_PACKAGE_HOMEPAGE_URL "https://fieldcast.invalid")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-sim ${runtime})
+set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-forward fieldcast-sim ${runtime})
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -42,6 +42,14 @@ set(CPACK_DEBIAN_${name}_PACKAGE_SECTION libs)
 set(CPACK_COMPONENT_${name}_DESCRIPTION
   "library for stations that listen to Fieldcast\nValues, catalogue, status and alarms of Fieldcast bridges on DDS, and\ncommands to them, for programs outside of Fieldcast.")
 set(CPACK_DEBIAN_${name}_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/triggers)
+
+set(CPACK_DEBIAN_FIELDCAST-FORWARD_PACKAGE_NAME fieldcast-forward)
+set(CPACK_DEBIAN_FIELDCAST-FORWARD_PACKAGE_SECTION net)
+set(CPACK_DEBIAN_FIELDCAST-FORWARD_PACKAGE_DEPENDS "fieldcast (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_FIELDCAST-FORWARD_DESCRIPTION
+  "store and forward from Fieldcast to message engines\nSends the samples and alarms of a site to a central engine, by a durable\nqueue on the local disk and one outgoing connection.")
+set(CPACK_DEBIAN_FIELDCAST-FORWARD_PACKAGE_CONTROL_EXTRA
+  "${CMAKE_CURRENT_LIST_DIR}/debian/forward/postinst;${CMAKE_CURRENT_LIST_DIR}/debian/forward/prerm;${CMAKE_CURRENT_LIST_DIR}/debian/forward/postrm")
 
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_NAME fieldcast-sim)
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_SECTION net)

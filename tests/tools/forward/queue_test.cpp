@@ -21,20 +21,27 @@ struct QueueTest : testing::Test {
   Queue open(std::uint64_t max_bytes = 10'000'000, Duration keep = {}) {
     return Queue({path, max_bytes, keep});
   }
-  static void append(Queue& queue, const Record& record, UtcTime now = kNow) {
+  // `sent`: as a record that was sent soon.
+  static void append(Queue& queue, const Record& record, UtcTime now = kNow, bool sent = true) {
+    queue.set_sending(sent);
     queue.append(std::span(&record, 1), {}, now);
   }
-  static void append_seconds(Queue& queue, std::int64_t from, std::int64_t to) {
-    for (std::int64_t i = from; i < to; ++i) append(queue, record_of(seconds(i, i + 1)));
+  static void append_seconds(Queue& queue, std::int64_t from, std::int64_t to, bool sent = false) {
+    for (std::int64_t i = from; i < to; ++i)
+      append(queue, record_of(seconds(i, i + 1)), kNow, sent);
+  }
+  // Without a change.
+  static std::vector<Record> all(Queue& queue, std::uint64_t after = 0) {
+    return queue.read({after, queue.last(), queue.last()}).records;
   }
   static std::vector<std::uint64_t> ids(Queue& queue) {
     std::vector<std::uint64_t> found;
-    for (const Record& record : queue.read(0, 100'000, 1 << 30)) found.push_back(record.id);
+    for (const Record& record : all(queue)) found.push_back(record.id);
     return found;
   }
   static std::uint64_t samples(Queue& queue) {
     std::uint64_t count = 0;
-    for (const Record& record : queue.read(0, 100'000, 1 << 30)) count += record.samples;
+    for (const Record& record : all(queue)) count += record.samples;
     return count;
   }
   static Record catalogue_record() {
@@ -60,7 +67,7 @@ TEST_F(QueueTest, RecordsStayInTheirOrderOverARestart) {
     append(queue, alarm_record());
   }
   Queue queue = open();
-  const auto records = queue.read(0, 10, 1 << 20);
+  const auto records = all(queue);
   ASSERT_EQ(records.size(), 2u);
   EXPECT_LT(records[0].id, records[1].id);
   EXPECT_EQ(records[0].bus, "line");
@@ -78,13 +85,20 @@ TEST_F(QueueTest, OnlyItsOwnerReadsTheFile) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-TEST_F(QueueTest, ReadBeginsAfterAnIdAndEndsAtTheLimits) {
+TEST_F(QueueTest, ReadReturnsARangeInParts) {
   Queue queue = open();
-  for (std::int64_t i = 0; i < 5; ++i) append(queue, record_of(seconds(i, i + 1)));
-  EXPECT_EQ(queue.read(2, 2, 1 << 20).size(), 2u);
-  EXPECT_EQ(queue.read(2, 2, 1 << 20)[0].id, 3u);
-  EXPECT_EQ(queue.read(0, 100, 1).size(), 1u) << "at least one";
-  EXPECT_TRUE(queue.read(5, 10, 1 << 20).empty());
+  append_seconds(queue, 0, 5, true);
+  EXPECT_EQ(queue.read({2, 4, 5}).records.size(), 2u);
+  EXPECT_EQ(queue.read({2, 4, 5}).records[0].id, 3u);
+  EXPECT_TRUE(queue.read({5, 9, 9}).records.empty());
+  EXPECT_EQ(queue.read({5, 9, 9}).read_to, 9u);
+  Record large = alarm_record();
+  large.body.resize(3u << 20);
+  append(queue, large);
+  append(queue, large);
+  const auto part = queue.read({5, 7, 7});
+  EXPECT_EQ(part.records.size(), 1u);
+  EXPECT_EQ(part.read_to, 6u);
 }
 
 TEST_F(QueueTest, ARemovedRecordIsNotReadAgain) {
@@ -126,7 +140,7 @@ TEST_F(QueueTest, AFullQueueThinsTheOldestSamplesFirst) {
   EXPECT_GT(counters.thinned, 0u);
   EXPECT_EQ(counters.dropped_samples, 0u);
   EXPECT_EQ(samples(queue) + counters.thinned, 900u);
-  const auto records = queue.read(0, 100'000, 1 << 30);
+  const auto records = all(queue);
   EXPECT_EQ(records.size(), counters.records);
   EXPECT_EQ(records[1].body, encode(seconds(0, 1)));
   EXPECT_EQ(records[2].body, encode(seconds(60, 61))) << "one a minute";
@@ -137,7 +151,7 @@ TEST_F(QueueTest, AFullQueueThinsTheOldestSamplesFirst) {
 TEST_F(QueueTest, AThinnedRecordKeepsItsIdentity) {
   Queue queue = open(20'000);
   for (std::int64_t i = 0; i < 200; ++i) append(queue, record_of(seconds(3 * i, 3 * i + 3)));
-  const auto records = queue.read(0, 1, 1 << 20);
+  const auto records = all(queue);
   EXPECT_EQ(records[0].identity, identity_of(seconds(0, 3)));
   EXPECT_EQ(records[0].samples, 1u);
 }
@@ -152,12 +166,12 @@ TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedAndAlarmsLast) {
   EXPECT_LE(counters.bytes, 50'000u);
   EXPECT_EQ(counters.thinned, 0u);
   EXPECT_GT(counters.dropped_samples, 0u);
-  auto records = queue.read(0, 100'000, 1 << 30);
+  auto records = all(queue);
   EXPECT_EQ(records[0].kind, RecordKind::kAlarm);
   EXPECT_EQ(records[1].kind, RecordKind::kCatalogue);
   EXPECT_EQ(records.back().body, encode(seconds(60 * 899, 60 * 899 + 1)));
   for (int i = 0; i < 900; ++i) append(queue, alarm_record());
-  records = queue.read(0, 100'000, 1 << 30);
+  records = all(queue);
   EXPECT_LE(queue.counters().bytes, 50'000u);
   for (const Record& record : records) EXPECT_EQ(record.kind, RecordKind::kAlarm);
   EXPECT_GT(records[0].id, 902u);
@@ -188,7 +202,7 @@ TEST_F(QueueTest, RecordsThatWereNotSentAreMergedInTheFile) {
     Queue queue = open();
     append_seconds(queue, 0, 10);
     const std::uint64_t before = queue.counters().bytes;
-    const auto merged = queue.read_merged({0, queue.last(), 0});
+    const auto merged = queue.read({0, queue.last(), 0});
     EXPECT_EQ(merged.read_to, 10u);
     ASSERT_EQ(merged.records.size(), 1u);
     EXPECT_EQ(decode_samples(merged.records[0].body)->samples, seconds(0, 10).samples);
@@ -199,7 +213,7 @@ TEST_F(QueueTest, RecordsThatWereNotSentAreMergedInTheFile) {
   }
   Queue queue = open();
   const std::uint64_t after = queue.counters().bytes;
-  const auto again = queue.read_merged({0, queue.last(), queue.last()});
+  const auto again = queue.read({0, queue.last(), queue.last()});
   ASSERT_EQ(again.records.size(), 2u) << "the merged record may have been sent";
   EXPECT_EQ(again.records[0].identity, identity);
   EXPECT_EQ(again.records[1].samples, 2u);
@@ -210,21 +224,19 @@ TEST_F(QueueTest, RecordsThatWereNotSentAreMergedInTheFile) {
 
 TEST_F(QueueTest, RecordsThatMayHaveBeenSentAreNotMerged) {
   Queue queue = open();
-  append_seconds(queue, 0, 3);
-  EXPECT_EQ(queue.read(0, 100, 1'000'000).size(), 3u);
-  queue.set_sending(true);
+  append_seconds(queue, 0, 1);
+  EXPECT_EQ(queue.read({0, 1, 0}).records.size(), 1u);
+  append_seconds(queue, 1, 3, true);
   append_seconds(queue, 3, 6);
-  queue.set_sending(false);
-  append_seconds(queue, 6, 9);
-  EXPECT_EQ(queue.read_merged({0, queue.last(), queue.last()}).records.size(), 7u);
-  EXPECT_EQ(queue.counters().records, 7u);
+  EXPECT_EQ(queue.read({0, queue.last(), queue.last()}).records.size(), 4u)
+      << "1, 2, 3, and the rest";
+  EXPECT_EQ(queue.counters().records, 4u);
 }
 
 TEST_F(QueueTest, RecordsThatWereNeverReadAreMergedAlsoWhileOthersAreSent) {
   Queue queue = open();
-  queue.set_sending(true);
-  append_seconds(queue, 0, 6);
-  EXPECT_EQ(queue.read_merged({0, queue.last(), 2}).records.size(), 3u) << "1, 2, and the rest";
+  append_seconds(queue, 0, 6, true);
+  EXPECT_EQ(queue.read({0, queue.last(), 2}).records.size(), 3u) << "1, 2, and the rest";
 }
 
 TEST_F(QueueTest, TheLastRecordBeforeATimeIsFound) {
@@ -247,7 +259,7 @@ TEST_F(QueueTest, AFileOfAnEarlierVersionIsUpgraded) {
   open_sqlite(path, IfMissing::kFail)
       ->script("alter table records drop column late; alter table records drop column fixed");
   Queue queue = open();
-  EXPECT_EQ(queue.read_merged({0, queue.last(), queue.last()}).records.size(), 2u);
+  EXPECT_EQ(queue.read({0, queue.last(), queue.last()}).records.size(), 2u);
 }
 
 TEST_F(QueueTest, ASecondForwarderCannotUseTheFile) {

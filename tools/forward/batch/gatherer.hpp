@@ -59,6 +59,7 @@ class Gatherer {
     std::uint64_t unknown = 0;   // without a channel
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t devices() const { return devices_.size(); }
 
  private:
   struct Channel {

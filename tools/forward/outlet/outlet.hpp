@@ -10,9 +10,18 @@
 
 #include "core/base/time.hpp"
 #include "tools/forward/batch/record.hpp"
+#include "tools/forward/outlet/site_status.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 
 namespace fieldcast::forward {
+
+// A request of the centre to write a channel (tools/forward/command).
+struct CentreRequest {
+  std::string user;  // verified by the permissions of the engine
+  std::string text;
+  // Any thread; at most once. Without effect after the outlet has ended.
+  std::function<void(std::string response)> reply;
+};
 
 // What every outlet needs.
 struct OutletContext {
@@ -22,6 +31,8 @@ struct OutletContext {
   std::uint32_t in_flight = 256;  // the most records without a result
   // Wakes the sender: there are results, or the connection has changed. Any thread.
   std::function<void()> wake;
+  // Called on a thread of the engine's library; must not block. Null: no commands are accepted.
+  std::function<void(CentreRequest request)> on_command;
 };
 
 enum class Outcome : std::uint8_t {
@@ -48,6 +59,9 @@ class Outlet {
   // Called after the records of a turn were sent: an engine with transactions commits here. May
   // block for a few seconds.
   virtual void flush() {}
+  // Publishes the state of this site, if the engine has a place for it. Called each ten seconds
+  // while the outlet is ready. There is no result.
+  virtual void report(const SiteStatus& /*status*/) {}
   [[nodiscard]] virtual std::vector<OutletResult> take_results() = 0;
 };
 

@@ -29,11 +29,12 @@ class Merging {
 
  private:
   struct Group {
-    std::size_t record;  // index in result_.records
-    SampleBatch batch;
+    std::size_t record = 0;  // index in result_.records
     std::size_t bytes = 0;
-    std::size_t parts = 1;
+    std::vector<SampleBatch> parts;  // decoded when there is a second one
   };
+  // Returns false if the record begins a group of its own.
+  [[nodiscard]] bool join(Group& group, const Record& record);
   void end(const Group& group);
 
   const std::size_t most_bytes_, most_samples_;

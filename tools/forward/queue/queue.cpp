@@ -214,48 +214,32 @@ void Queue::drop(const std::vector<SqlRow>& rows, Counters& counters) {
   }
 }
 
-std::vector<Record> Queue::read(std::uint64_t after, std::size_t most_records,
-                                std::size_t most_bytes) {
-  const std::lock_guard lock(mutex_);
-  std::vector<Record> records;
-  std::size_t bytes = 0;
-  bool is_fixed = true;
-  connection_->query(kRead, {as_integer(after)}, [&](const SqlRow& row) {
-    records.push_back(record_of(row));
-    bytes += records.back().body.size();
-    is_fixed = is_fixed && integer_at(row, 9) != 0;
-    return records.size() < most_records && bytes < most_bytes;
-  });
-  if (!is_fixed) {  // appended while nothing was sent
-    SqlTransaction transaction(*connection_);
-    connection_->execute(kFix, SqlRow{as_integer(after), as_integer(records.back().id)});
-    transaction.commit();
-  }
-  return records;
-}
-
-Queue::Merged Queue::read_merged(const Range& range) {
+Queue::Batch Queue::read(const Range& range) {
   constexpr std::size_t kMostRows = 4096, kMostRead = 2u << 20;
   const std::lock_guard lock(mutex_);
   Merging merging(kMergedBytes, kMergedSamples);
-  Merged merged{.records = {}, .read_to = range.to};
+  Batch batch{.records = {}, .read_to = range.to};
   std::size_t rows = 0, bytes = 0;
+  bool is_fixed = true;
   connection_->query(kRead, {as_integer(range.after)}, [&](const SqlRow& row) {
     Record record = record_of(row);
     if (record.id > range.to) return false;
     if (++rows > kMostRows || bytes > kMostRead) {
-      merged.read_to = record.id - 1;
+      batch.read_to = record.id - 1;
       return false;
     }
     bytes += record.body.size();
-    const bool is_fixed = integer_at(row, 9) != 0 && record.id <= range.unread_after;
-    merging.add(std::move(record), !is_fixed);
+    const bool is_row_fixed = integer_at(row, 9) != 0;
+    is_fixed = is_fixed && is_row_fixed;
+    const bool can_merge = !is_row_fixed || record.id > range.unread_after;
+    merging.add(std::move(record), can_merge);
     return true;
   });
   Merging::Result result = merging.take();
-  store(result, {range.after, merged.read_to, range.unread_after});
-  merged.records = std::move(result.records);
-  return merged;
+  if (!is_fixed || !result.merged.empty())
+    store(result, {range.after, batch.read_to, range.unread_after});
+  batch.records = std::move(result.records);
+  return batch;
 }
 
 void Queue::store(const Merging::Result& result, const Range& range) {
@@ -356,6 +340,13 @@ std::vector<NamedPosition> Queue::positions() {
         return true;
       });
   return positions;
+}
+
+UtcTime Queue::oldest() {
+  const std::lock_guard lock(mutex_);
+  const auto rows =
+      rows_of(*connection_, "select appended_at from records order by id limit 1", {});
+  return {rows.empty() ? 0 : integer_at(rows.front(), 0)};
 }
 
 Queue::Counters Queue::counters() const {

@@ -36,6 +36,9 @@ struct QueueSpec {
 
 class Queue {
  public:
+  // Of a merged record.
+  static constexpr std::size_t kMergedBytes = 16u << 10, kMergedSamples = 4'000;
+
   // Opens or creates the file, which only its owner can read. Fails after 5 s if a second process
   // uses it.
   explicit Queue(const QueueSpec& spec);
@@ -44,28 +47,25 @@ class Queue {
   // makes space if the queue is full. `now` is the time for QueueSpec::keep.
   void append(std::span<const Record> records, std::span<const NamedPosition> positions,
               UtcTime now);
-  // Records after `id`, in their order; at least one if there is one.
-  [[nodiscard]] std::vector<Record> read(std::uint64_t after, std::size_t most_records,
-                                         std::size_t most_bytes);
-
   struct Range {  // of ids
     std::uint64_t after = 0, to = 0;
     // Records after this id were not read before, so that no message of them was sent.
     std::uint64_t unread_after = 0;
   };
-  struct Merged {
+  struct Batch {
     std::vector<Record> records;
     std::uint64_t read_to = 0;  // the end of the range if nothing is left in it
   };
-  // Reads a part of the range. Records of one device that were not sent yet are merged in the file,
-  // in their order, up to kMergedBytes and kMergedSamples. A merged record is never merged again:
-  // the identity of a message that was sent stays the same after a crash.
-  [[nodiscard]] Merged read_merged(const Range& range);
+  // Reads a part of the range, in its order. Records of one device that were not sent yet are merged
+  // in the file, up to kMergedBytes and kMergedSamples. A record that was read once is never merged
+  // again: the identity of a message that was sent stays the same after a crash.
+  [[nodiscard]] Batch read(const Range& range);
   // The last record after `after` that was appended before `before`; 0 if there is none.
   [[nodiscard]] std::uint64_t last_before(UtcTime before, std::uint64_t after);
   // The last record; 0 if there is none.
   [[nodiscard]] std::uint64_t last();
-  // True while read() returns new records soon: they are not merged later.
+  // True while read() follows the end of the queue: new records need no second change to be marked
+  // as read.
   void set_sending(bool sending);
 
   // Removes acknowledged records.
@@ -84,13 +84,14 @@ class Queue {
     std::uint64_t dropped_records = 0;     // in all steps, or too old
   };
   [[nodiscard]] Counters counters() const;
+  // When the first waiting record was appended; 0 if there is none.
+  [[nodiscard]] UtcTime oldest();
 
  private:
   // Bytes of a row without its body, as the file has them on average.
   static constexpr std::uint64_t kRowBytes = 120;
 
   static constexpr std::uint64_t kMargin = 50;  // part of max_bytes
-  static constexpr std::size_t kMergedBytes = 32u << 10, kMergedSamples = 4'000;
 
   template <class Work>
   void write(Work work);

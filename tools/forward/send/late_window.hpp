@@ -18,8 +18,10 @@ class LateWindow {
   static constexpr std::size_t kLeast = 16u << 10, kMost = 8u << 20;  // bytes
   static constexpr Duration kTarget = std::chrono::milliseconds{250};
 
-  // True if a further message may be sent: one may always be in flight.
-  [[nodiscard]] bool allows() const { return in_flight_ == 0 || in_flight_ < window_; }
+  // True if a message of `bytes` may be sent: one may always be in flight.
+  [[nodiscard]] bool allows(std::size_t bytes) const {
+    return in_flight_ == 0 || in_flight_ + bytes <= window_;
+  }
   [[nodiscard]] std::size_t window() const { return window_; }
 
   void sent(std::size_t bytes) { in_flight_ += bytes; }

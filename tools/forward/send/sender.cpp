@@ -44,6 +44,11 @@ void Sender::stop() {
   outlet_.reset();
 }
 
+void Sender::report(SiteStatus status) {
+  const std::lock_guard lock(mutex_);
+  report_ = std::move(status);
+}
+
 Sender::Counters Sender::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
@@ -73,15 +78,19 @@ void Sender::turn(Instant now) {
   take_results(now);
   const bool is_ready = outlet_->is_ready(now);
   bool was_ready = false;
+  std::optional<SiteStatus> report;
   {
     const std::lock_guard lock(mutex_);
+    counters_.turned = now;
     was_ready = std::exchange(counters_.is_ready, is_ready);
+    report.swap(report_);
   }
   if (is_ready != was_ready) queue_.set_sending(is_ready);
   if (!is_ready) {
     if (was_ready) unload();
     return;
   }
+  if (report) outlet_->report(*report);
   load(now);
   send(now);
   outlet_->flush();
@@ -100,24 +109,27 @@ void Sender::unload() {
 
 void Sender::load(Instant now) {
   shift_late(now);
-  while (memory_.has_space()) {
-    auto records = queue_.read(read_to_, kMostRecords / 4, kMostBytes / 4);
-    if (records.empty()) break;
-    read_to_ = records.back().id;
-    unread_after_ = std::max(unread_after_, read_to_);
-    for (Record& record : records) add(std::move(record));
+  for (bool has_more = true; has_more && memory_.has_space();) {
+    const Queue::Range range{read_to_, queue_.last(), unread_after_};
+    has_more = range.to > range.after;
+    if (has_more) read_to_ = read(range, false);
   }
   while (!late_.empty() && late_memory_.has_space()) {
     Queue::Range& range = late_.front();
-    auto merged = queue_.read_merged(range);
-    range.after = merged.read_to;
-    unread_after_ = std::max(unread_after_, merged.read_to);
-    if (merged.read_to >= range.to) late_.pop_front();
-    for (Record& record : merged.records) {
-      record.is_late = record.kind == RecordKind::kSamples;
-      add(std::move(record));
-    }
+    range.after = read(range, true);
+    if (range.after >= range.to) late_.pop_front();
   }
+}
+
+// Returns the id of the last record that was read.
+std::uint64_t Sender::read(const Queue::Range& range, bool late) {
+  Queue::Batch batch = queue_.read(range);
+  unread_after_ = std::max(unread_after_, batch.read_to);
+  for (Record& record : batch.records) {
+    record.is_late = record.is_late || (late && record.kind == RecordKind::kSamples);
+    add(std::move(record));
+  }
+  return batch.read_to;
 }
 
 // New records that became too old before they were read are left to the reader of late ones.
@@ -189,7 +201,7 @@ void Sender::take_results(Instant now) {
 
 void Sender::send(Instant now) {
   while (rate_.allows(now)) {
-    const auto id = window_.next(late_window_.allows());
+    const auto id = window_.next(late_window_.allows(Queue::kMergedBytes));
     if (!id) return;
     Loaded& loaded = loaded_.at(*id);
     const auto bytes = outlet_->send(loaded.record);

@@ -40,11 +40,14 @@ class Sender {
   void start(std::unique_ptr<Outlet> outlet);
   // Records were appended, or the outlet has results. Any thread.
   void wake();
+  // Passes the state of the site to the outlet in the next turn. Any thread.
+  void report(SiteStatus status);
   // Ends the thread and closes the outlet.
   void stop();
 
   struct Counters {
     bool is_ready = false;                               // the outlet is connected
+    Instant turned{};                                    // last turn of the thread
     std::uint64_t messages = 0, samples = 0, bytes = 0;  // acknowledged; bytes of messages
     std::uint64_t late = 0;                              // acknowledged samples that were late
     std::uint64_t repeated = 0;                          // messages that were sent again
@@ -75,6 +78,7 @@ class Sender {
   // Forgets what was read: the queue is read again when the outlet is ready.
   void unload();
   void load(Instant now);
+  std::uint64_t read(const Queue::Range& range, bool late);
   void shift_late(Instant now);
   void add(Record record);
   void take_results(Instant now);
@@ -99,6 +103,7 @@ class Sender {
   mutable std::mutex mutex_;  // protects the members below
   std::condition_variable changed_;
   bool woken_ = false, stopping_ = false;
+  std::optional<SiteStatus> report_;
   Counters counters_;
 
   std::thread thread_;  // last: it uses the members above

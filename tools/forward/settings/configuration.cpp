@@ -5,7 +5,9 @@
 #include "config/document/limits.hpp"
 #include "config/document/map_reader.hpp"
 #include "config/files/library.hpp"
+#include "config/sections/bridge_keys.hpp"
 #include "config/sections/dds.hpp"
+#include "tools/forward/settings/command_keys.hpp"
 #include "tools/forward/settings/forward_keys.hpp"
 #include "tools/forward/settings/outlet_sections.hpp"
 
@@ -62,6 +64,9 @@ LoadedForward load_forward_text(std::string_view text, const std::string& file_n
     read_section(file, "payload", payload_rows(), spec.payload);
     read_section(file, "send", send_rows(), spec.send);
     spec.outlet = read_outlet(file, library);
+    spec.commands = read_commands(file, spec.outlet);
+    if (file.find("metrics") != nullptr)
+      read_section(file, "metrics", config::metrics_rows(), spec.metrics.emplace());
   } else if (faults.empty()) {
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));
   }

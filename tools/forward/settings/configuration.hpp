@@ -1,6 +1,7 @@
 // Loads the configuration of fieldcast-forward. Stateless functions.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -11,6 +12,7 @@
 #include "config/files/file_reader.hpp"
 #include "core/model/spec.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/command/command_service.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
@@ -31,6 +33,8 @@ struct ForwardSpec {
   PayloadSpec payload;
   SendSpec send;
   OutletSpec outlet;
+  std::optional<CommandSpec> commands;  // empty: none are accepted
+  std::optional<MetricsSpec> metrics;   // empty: metrics are not served
 };
 
 using LoadedForward = tl::expected<ForwardSpec, std::vector<config::Fault>>;

@@ -3,6 +3,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "config/sections/store.hpp"
+#include "tools/forward/settings/command_keys.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -53,6 +54,12 @@ const Rows<ForwardSpec>& forward_rows() {
                              &ForwardSpec::site, config::NameRule{}),
           {{.name = "dds", .text = "as of the bridge: `domain`, `interfaces`, ..", .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
+          {{.name = "commands",
+            .text = "who may write from the centre; without it, nobody",
+            .schema = "{}"}},
+          {{.name = "metrics",
+            .text = "`listen: ADDRESS:PORT` for Prometheus; as of the bridge",
+            .schema = "{}"}},
           {{.name = "queue",
             .fallback = std::string(config::kNeeded),
             .text = "the file with what is not acknowledged yet",
@@ -154,6 +161,7 @@ std::vector<DocumentedKey> documented_keys() {
   add("payload.", payload_rows());
   add("send.", send_rows());
   for (const OutletSection& section : outlet_sections()) section.document(add);
+  document_commands(add);
   return all;
 }
 

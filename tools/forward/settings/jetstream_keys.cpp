@@ -64,7 +64,8 @@ void check_login(MapReader& map, const JetStreamSpec& spec) {
 void check_names(MapReader& map, const JetStreamSpec& spec) {
   for (const auto& [key, name] :
        {std::pair{"sample-stream", spec.sample_stream},
-        std::pair{"alarm-stream", spec.alarm_stream}, std::pair{"bucket", spec.bucket}}) {
+        std::pair{"alarm-stream", spec.alarm_stream}, std::pair{"bucket", spec.bucket},
+        std::pair{"site-bucket", spec.site_bucket}}) {
     if (name.find('.') != name.npos)
       map.fault(key, fmt::format("{} '{}' contains '.', which NATS does not allow", key, name),
                 "letters, digits, '-' and '_'");
@@ -77,7 +78,7 @@ const Rows<StreamSpec>& stream_rows() {
       {
           field<StreamSpec>({.name = "create",
                              .fallback = "`false`",
-                             .text = "creates the streams and the bucket if they are missing; "
+                             .text = "creates the streams and the buckets if they are missing; "
                                      "existing ones are not changed"},
                             &StreamSpec::create, config::FlagRule{}),
           field<StreamSpec>({.name = "replicas",
@@ -140,6 +141,10 @@ const Rows<JetStreamSpec>& jetstream_rows() {
                                 .fallback = "`fieldcast-catalogue`",
                                 .text = "the key-value bucket of the catalogues"},
                                &JetStreamSpec::bucket, config::NameRule{}),
+          field<JetStreamSpec>({.name = "site-bucket",
+                                .fallback = "`fieldcast-sites`",
+                                .text = "the key-value bucket of the states of all sites"},
+                               &JetStreamSpec::site_bucket, config::NameRule{}),
           text("streams", "used, not created", "how missing streams are created"),
       });
   return rows;

@@ -21,6 +21,7 @@ namespace {
 constexpr const char* kSubject = "jetstream";
 constexpr Duration kPause = std::chrono::seconds{2};  // after a failed attempt
 constexpr std::int64_t kCloseMs = 5'000;
+constexpr std::size_t kMaxRequest = 64 * 1024;  // bytes of a command that are kept
 
 std::string server_of(natsConnection* connection) {
   std::array<char, 256> url{};
@@ -77,6 +78,7 @@ struct JetStreamOutlet::State {
   PayloadMaker payloads;
   NatsConnection connection;
   JetStreamContext context;
+  NatsSubscription commands;
   bool has_streams = false;
   Instant next_attempt{};
 
@@ -85,13 +87,20 @@ struct JetStreamOutlet::State {
   std::mutex mutex;  // protects the members below; not held while the library is called
   std::unordered_map<std::string, std::uint64_t> pending;  // records, by message id
   std::vector<OutletResult> results;
+  struct Reply {
+    std::string subject, text;
+  };
+  std::vector<Reply> replies;  // to commands
 
+  void accept_commands();
+  void send_replies();
   void connect(Instant now);
   void disconnect();
   void finish(const std::string& id, Outcome outcome);
 
   static void on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
                         void* closure);
+  static void on_command(natsConnection*, natsSubscription*, natsMsg* message, void* closure);
   static void on_connected(natsConnection* from, void* closure);
   static void on_disconnected(natsConnection* from, void* closure);
   static void on_closed(natsConnection* from, void* closure);
@@ -100,14 +109,14 @@ struct JetStreamOutlet::State {
 void JetStreamOutlet::State::on_result(jsCtx*, natsMsg* message, jsPubAck* done, jsPubAckErr* error,
                                        void* closure) {
   const NatsMessage owned(message);
+  const char* id = nullptr;
+  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) != NATS_OK) return;
   const Outcome outcome = outcome_of(done, error);
   const auto bytes = static_cast<std::size_t>(natsMsg_GetDataLength(message));
   if (outcome == Outcome::kFailed) log_failed(natsMsg_GetSubject(message), error);
   if (outcome == Outcome::kRefused)
     log_refused(natsMsg_GetSubject(message), bytes, "max_msg_size of the stream");
-  const char* id = nullptr;
-  if (natsMsgHeader_Get(message, "Nats-Msg-Id", &id) == NATS_OK)
-    static_cast<State*>(closure)->finish(id, outcome);
+  static_cast<State*>(closure)->finish(id, outcome);
 }
 
 void JetStreamOutlet::State::finish(const std::string& id, Outcome outcome) {
@@ -175,11 +184,61 @@ void JetStreamOutlet::State::connect(Instant now) {
     return;
   }
   context.reset(js);
+  if (context_of.on_command) accept_commands();
+}
+
+void JetStreamOutlet::State::accept_commands() {
+  const std::string subject = command_subject_of(context_of.site);
+  natsSubscription* made = nullptr;
+  const natsStatus status =
+      natsConnection_Subscribe(&made, connection.get(), subject.c_str(), on_command, this);
+  commands.reset(made);
+  if (status == NATS_OK) return;
+  log_error(kSubject, fmt::format("commands cannot be accepted on {}: {}", subject,
+                                  natsStatus_GetText(status)));
+}
+
+void JetStreamOutlet::State::on_command(natsConnection*, natsSubscription*, natsMsg* message,
+                                        void* closure) {
+  const NatsMessage owned(message);
+  auto* const self = static_cast<State*>(closure);
+  const char* const reply = natsMsg_GetReply(message);
+  if (reply == nullptr) return;  // nobody would receive the result
+  const std::string_view subject = natsMsg_GetSubject(message);
+  const std::string_view data(natsMsg_GetData(message),
+                              static_cast<std::size_t>(natsMsg_GetDataLength(message)));
+  CentreRequest request{.user = name_of_token(subject.substr(subject.rfind('.') + 1)),
+                        .text = std::string(data.substr(0, kMaxRequest)),
+                        .reply = [self, to = std::string(reply)](std::string text) {
+                          {
+                            const std::lock_guard lock(self->mutex);
+                            self->replies.push_back({to, std::move(text)});
+                          }
+                          self->context_of.wake();
+                        }};
+  self->context_of.on_command(std::move(request));
+}
+
+void JetStreamOutlet::State::send_replies() {
+  std::vector<Reply> waiting;
+  {
+    const std::lock_guard lock(mutex);
+    waiting.swap(replies);
+  }
+  for (const Reply& reply : waiting) {
+    const natsStatus status =
+        natsConnection_Publish(connection.get(), reply.subject.c_str(), reply.text.data(),
+                               static_cast<int>(reply.text.size()));
+    if (status != NATS_OK)
+      log_counted(LogLevel::kWarning, kSubject, "responses to commands that could not be sent",
+                  natsStatus_GetText(status));
+  }
 }
 
 void JetStreamOutlet::State::disconnect() {
   is_closing = true;
   if (connection) natsConnection_Close(connection.get());
+  commands.reset();
   context.reset();
   connection.reset();
   has_streams = false;
@@ -206,6 +265,7 @@ bool JetStreamOutlet::is_ready(Instant now) {
   if (!state_->connection ||
       natsConnection_Status(state_->connection.get()) != NATS_CONN_STATUS_CONNECTED)
     return false;
+  state_->send_replies();
   if (!state_->spec.streams.create || state_->has_streams) return true;
   if (now < state_->next_attempt) return false;
   if (const auto created = create_streams(*state_->context, state_->spec); !created) {
@@ -252,6 +312,17 @@ std::optional<std::size_t> JetStreamOutlet::send(const Record& record) {
   const std::lock_guard lock(state_->mutex);
   state_->pending.erase(id);
   return std::nullopt;
+}
+
+// Without an acknowledgement: the next report follows in ten seconds.
+void JetStreamOutlet::report(const SiteStatus& status) {
+  const std::string subject = site_subject_of(state_->spec.site_bucket, status.site);
+  const std::string text = to_json(status);
+  const natsStatus sent = natsConnection_Publish(state_->connection.get(), subject.c_str(),
+                                                 text.data(), static_cast<int>(text.size()));
+  if (sent != NATS_OK)
+    log_counted(LogLevel::kWarning, kSubject, "reports that could not be sent",
+                fmt::format("{}: {}", subject, natsStatus_GetText(sent)));
 }
 
 std::vector<OutletResult> JetStreamOutlet::take_results() {

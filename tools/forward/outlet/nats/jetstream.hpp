@@ -19,6 +19,7 @@ class JetStreamOutlet final : public Outlet {
 
   [[nodiscard]] bool is_ready(Instant now) override;
   [[nodiscard]] std::optional<std::size_t> send(const Record& record) override;
+  void report(const SiteStatus& status) override;
   [[nodiscard]] std::vector<OutletResult> take_results() override;
 
  private:

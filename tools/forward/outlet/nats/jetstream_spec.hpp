@@ -29,6 +29,7 @@ struct JetStreamSpec {
   Duration acknowledgement = std::chrono::seconds{5};  // then a message is sent again
   std::string sample_stream = "FIELDCAST", alarm_stream = "FIELDCAST_ALARMS";
   std::string bucket = "fieldcast-catalogue";
+  std::string site_bucket = "fieldcast-sites";
   StreamSpec streams;
   friend bool operator==(const JetStreamSpec&, const JetStreamSpec&) = default;
 };

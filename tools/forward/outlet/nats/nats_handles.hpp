@@ -17,6 +17,7 @@ struct NatsDestroy {
 using NatsOptions = std::unique_ptr<natsOptions, NatsDestroy<natsOptions_Destroy>>;
 using NatsConnection = std::unique_ptr<natsConnection, NatsDestroy<natsConnection_Destroy>>;
 using JetStreamContext = std::unique_ptr<jsCtx, NatsDestroy<jsCtx_Destroy>>;
+using NatsSubscription = std::unique_ptr<natsSubscription, NatsDestroy<natsSubscription_Destroy>>;
 using NatsMessage = std::unique_ptr<natsMsg, NatsDestroy<natsMsg_Destroy>>;
 
 }  // namespace fieldcast::forward

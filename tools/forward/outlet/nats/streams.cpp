@@ -35,17 +35,17 @@ Done create_stream(jsCtx& context, const std::string& name, std::vector<const ch
   return failure(name, status, nats_GetLastError(nullptr));
 }
 
-Done create_bucket(jsCtx& context, const JetStreamSpec& spec) {
+Done create_bucket(jsCtx& context, const std::string& name, const JetStreamSpec& spec) {
   kvStore* bucket = nullptr;
-  if (js_KeyValue(&bucket, &context, spec.bucket.c_str()) != NATS_OK) {
+  if (js_KeyValue(&bucket, &context, name.c_str()) != NATS_OK) {
     kvConfig config;
     kvConfig_Init(&config);
-    config.Bucket = spec.bucket.c_str();
+    config.Bucket = name.c_str();
     config.History = 1;
     config.StorageType = js_FileStorage;
     config.Replicas = static_cast<int>(spec.streams.replicas);
     if (const natsStatus status = js_CreateKeyValue(&bucket, &context, &config); status != NATS_OK)
-      return failure("KV_" + spec.bucket, status, nats_GetLastError(nullptr));
+      return failure("KV_" + name, status, nats_GetLastError(nullptr));
   }
   kvStore_Destroy(bucket);
   return {};
@@ -61,7 +61,8 @@ Done create_streams(jsCtx& context, const JetStreamSpec& spec) {
   if (auto done = create_stream(context, spec.alarm_stream, {"fieldcast-alarm.>"}, spec.streams);
       !done)
     return done;
-  return create_bucket(context, spec);
+  if (auto done = create_bucket(context, spec.bucket, spec); !done) return done;
+  return create_bucket(context, spec.site_bucket, spec);
 }
 
 }  // namespace fieldcast::forward

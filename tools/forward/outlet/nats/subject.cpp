@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+
 #include "tools/forward/payload/json_payload.hpp"
 
 namespace fieldcast::forward {
@@ -31,6 +34,31 @@ std::string subject_of(std::string_view site, std::string_view bucket, const Rec
     case RecordKind::kCatalogue: break;
   }
   return fmt::format("$KV.{}.{}.{}", bucket, path, hex_text(record.identity));
+}
+
+std::string site_subject_of(std::string_view bucket, std::string_view site) {
+  return fmt::format("$KV.{}.{}", bucket, subject_token(site));
+}
+
+std::string command_subject_of(std::string_view site) {
+  return fmt::format("{}.{}.*", kCommandSubjects, subject_token(site));
+}
+
+std::string name_of_token(std::string_view token) {
+  std::string name;
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    if (token[i] != '=') {
+      name += token[i];
+      continue;
+    }
+    unsigned byte = 0;
+    const char* const end = token.data() + std::min(i + 3, token.size());
+    const auto parsed = std::from_chars(token.data() + i + 1, end, byte, 16);
+    if (parsed.ec != std::errc() || parsed.ptr != token.data() + i + 3) return {};
+    name += static_cast<char>(byte);
+    i += 2;
+  }
+  return subject_token(name) == token ? name : std::string();
 }
 
 std::string message_id_of(std::string_view site, const Record& record) {

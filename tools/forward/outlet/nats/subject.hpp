@@ -21,6 +21,15 @@ inline constexpr std::string_view kAlarmSubjects = "fieldcast-alarm";
 [[nodiscard]] std::string subject_of(std::string_view site, std::string_view bucket,
                                      const Record& record);
 
+// "$KV.BUCKET.SITE": the state of the site.
+[[nodiscard]] std::string site_subject_of(std::string_view bucket, std::string_view site);
+
+// "fieldcast-command.SITE.*": the last token is the user.
+inline constexpr std::string_view kCommandSubjects = "fieldcast-command";
+[[nodiscard]] std::string command_subject_of(std::string_view site);
+// The name of which subject_token() made the token. Empty for any other text.
+[[nodiscard]] std::string name_of_token(std::string_view token);
+
 // "SITE/BUS/EPOCH/IDENTITY": equal for each repetition of the record, on any machine.
 [[nodiscard]] std::string message_id_of(std::string_view site, const Record& record);
 

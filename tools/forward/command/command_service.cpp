@@ -1,0 +1,95 @@
+#include "tools/forward/command/command_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "bridge/base/clock.hpp"
+#include "bridge/log/log.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+constexpr const char* kSubject = "command";
+// Of one command at the bridge, so that the forwarder can stop in time.
+constexpr Duration kLongest = std::chrono::seconds{5};
+
+// The identity of the request is that of the journal, not of this text.
+std::string unknown_text() {
+  return to_json({.state = "unknown",
+                  .cause = "NONE",
+                  .reason = "the forwarder ended while the command ran: read the channel"});
+}
+
+CommandResponse response_from(const std::string& id, const StationOutcome& outcome) {
+  if (outcome)
+    return {.id = id,
+            .state = std::string(to_text(outcome->state)),
+            .cause = outcome->cause,
+            .reason = outcome->reason,
+            .values = outcome->values,
+            .completed_at = outcome->completed_at};
+  const bool is_unknown = outcome.error() == StationFault::kNoResult;
+  return {.id = id,
+          .state = is_unknown ? "unknown" : "rejected",
+          .cause = "NONE",
+          .reason = to_text(outcome)};
+}
+
+}  // namespace
+
+CommandService::CommandService(CommandSpec spec, const std::string& journal, Execute execute)
+    : spec_(std::move(spec)),
+      execute_(std::move(execute)),
+      journal_(journal, unknown_text()),
+      worker_("commands", kMaxWaiting,
+              [this](BoundedQueue<CentreRequest>& requests) { run(requests); }) {}
+
+void CommandService::on_request(CentreRequest request) {
+  if (!worker_.queue().try_put(request)) refuse(request);
+}
+
+void CommandService::refuse(const CentreRequest& request) const {
+  request.reply(to_json(refusal("", "too many commands wait at this site: repeat it later")));
+}
+
+void CommandService::run(BoundedQueue<CentreRequest>& requests) {
+  while (const auto request = requests.take()) {
+    if (requests.closed()) {
+      refuse(*request);
+      continue;
+    }
+    try {
+      request->reply(response_to(*request));
+    } catch (const StoreError& error) {
+      log_counted(LogLevel::kError, kSubject, "faults of the journal", error.what());
+      request->reply(to_json(refusal("", "the site cannot store the command")));
+    }
+  }
+}
+
+std::string CommandService::response_to(const CentreRequest& request) {
+  const UtcTime now = read_clocks().utc;
+  const auto command = command_request_from(request.text, request.user, spec_.rules, now);
+  if (!command) {
+    const CommandFault& fault = command.error();
+    // A repeated request may have expired meanwhile.
+    if (const auto known = journal_.response(request.user, fault.id)) return *known;
+    log_counted(LogLevel::kWarning, kSubject, "refused commands",
+                fmt::format("{}: {}", request.user, fault.reason));
+    return to_json(refusal(fault.id, fault.reason));
+  }
+  const CommandJournal::Entry entry = journal_.begin(command->user, command->id, now);
+  if (entry.response) return *entry.response;
+  const Duration lifespan = std::min(
+      kLongest, Duration{saturated_difference(command->expires_at.nanoseconds, now.nanoseconds)});
+  log_info(kSubject,
+           fmt::format("{}: {} writes {}", command->id, command->user, command->channel.text()));
+  const std::string response = to_json(response_from(command->id, execute_(*command, lifespan)));
+  journal_.complete(command->user, command->id, response);
+  return response;
+}
+
+}  // namespace fieldcast::forward
