@@ -10,7 +10,6 @@ import errno
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import tempfile
@@ -18,7 +17,9 @@ import time
 import unittest
 import urllib.request
 
+import forwarding
 import nats
+from forwarding import REJOIN, UNCOMMITTED
 from plant import Failure, Plant, wait_until
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "campaign"))
@@ -26,8 +27,6 @@ from fault_shim import FaultShim  # noqa: E402
 
 BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
 GATHER = 0.2  # seconds
-UNCOMMITTED = 1.5  # seconds before a kill in which a sample may be gathered, but not queued
-REJOIN = 8  # seconds until a restarted forwarder receives samples again
 
 CONFIG = """
 bridge: e2e
@@ -57,64 +56,12 @@ def setUpModule():
     plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
-class Forwarder:
+class NatsForwarder(forwarding.Forwarder):
     def __init__(self, folder, more, payload="format: json", replicas=1):
-        self.folder, self.process, self.environment = folder, None, None
-        self.file = os.path.join(folder, "forward.yaml")
-        with open(self.file, "w", encoding="utf-8") as file:
-            file.write(f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
-                       f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
-                       f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
-
-    def start(self):
-        with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", self.file],
-                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=self.environment)
-
-    def kill(self):
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
-
-    def stop(self):
-        """Ends it in order; returns its exit code."""
-        if self.process is not None and self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-            try:
-                return self.process.wait(15)
-            except subprocess.TimeoutExpired:
-                self.kill()
-        return None if self.process is None else self.process.returncode
-
-    def log(self):
-        with open(os.path.join(self.folder, "forward.log"), encoding="utf-8") as file:
-            return file.read()
-
-
-class Reference:
-    """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
-
-    def __init__(self, folder):
-        self.path = os.path.join(folder, "watch.jsonl")
-        with open(self.path, "w", encoding="utf-8") as file:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--config", plant.file],
-                                            stdout=file, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-        wait_until(lambda: os.path.getsize(self.path) > 0, 20, "fieldcast watch shows nothing")
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-        self.process.wait(15)
-
-    def samples(self):
-        """{(device, channel): {sequence: sample}}"""
-        found = collections.defaultdict(dict)
-        with open(self.path, encoding="utf-8") as file:
-            for line in file.read().splitlines():
-                with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
-                    sample = json.loads(line)
-                    if "sequence" in sample:
-                        found[sample["device"], sample["channel"]][sample["sequence"]] = sample
-        return found
+        super().__init__(BIN_DIR, folder,
+                         f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
+                         f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
+                         f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
 
 
 class ForwardCase(unittest.TestCase):
@@ -129,7 +76,7 @@ class ForwardCase(unittest.TestCase):
         return server
 
     def forwarder(self, more, payload="format: json", replicas=1):
-        forwarder = Forwarder(self.folder, more, payload, replicas)
+        forwarder = NatsForwarder(self.folder, more, payload, replicas)
         self.addCleanup(forwarder.stop)
         return forwarder
 
@@ -166,7 +113,7 @@ def by_channel(messages):
 class Kills(ForwardCase):
     def setUp(self):
         super().setUp()
-        self.reference = Reference(self.folder)
+        self.reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(self.reference.stop)
 
     def test_every_sample_arrives_once_and_in_order(self):
@@ -261,7 +208,7 @@ class Disk(ForwardCase):
 
     def setUp(self):
         super().setUp()
-        self.reference = Reference(self.folder)
+        self.reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(self.reference.stop)
         self.shim = FaultShim(os.path.join(BIN_DIR, "..", "lib", "libfault_shim.so"), self.folder, os.path.join(self.folder, "queue.db"))
         self.nats = self.server()
@@ -400,7 +347,7 @@ class Contents(ForwardCase):
     def test_after_an_outage_old_samples_are_late(self):
         server = self.server().start()
         forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nsend: {{ late-after: 1s }}")
-        reference = Reference(self.folder)
+        reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(reference.stop)
         forwarder.start()
         self.wait_for_messages(server, forwarder, 4)
