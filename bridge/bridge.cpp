@@ -119,6 +119,8 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   buses_->stop(buses_->running(), kDisposeLimit, leave);
   if (membership_) memory_ = membership_->leave();
   if (store_) store_->identities.close();  // responds to waiting requests: their bus has ended
+  receives_history_ = nullptr;
+  if (history_) history_->close();
   step_ = "the bridge leaves the domain";
   // 5. The last results reach their readers; then the bridge leaves, and no handler is called.
   link_->close(kLinger, leave);
@@ -127,6 +129,7 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   commands_.close();
   membership_.reset();
   buses_.reset();
+  history_.reset();
   link_.reset();  // 6.
   guard_.reset();
   audit_.open(nullptr);

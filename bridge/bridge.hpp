@@ -18,6 +18,7 @@
 #include "bridge/buses/reload_plan.hpp"
 #include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/history/history_service.hpp"
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/metrics/metrics_server.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
@@ -126,7 +127,9 @@ class Bridge {
   // Parts in the domain. Each uses only parts above it, except the handlers of guard and link.
   std::unique_ptr<BusGuard> guard_;
   std::unique_ptr<DdsLink> link_;
-  std::unique_ptr<OpenStore> store_;  // only with `store`
+  std::unique_ptr<HistoryService> history_;
+  std::atomic<HistoryService*> receives_history_ = nullptr;  // history_, while link_ can respond
+  std::unique_ptr<OpenStore> store_;                         // only with `store`
   std::unique_ptr<BusSet> buses_;
   std::unique_ptr<Membership> membership_;  // only in a standby group
   std::unique_ptr<MetricsServer> metrics_;  // only with `metrics`

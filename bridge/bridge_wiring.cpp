@@ -82,6 +82,10 @@ DdsLink::Handlers Bridge::link_handlers() {
   handlers.on_problem = [](const std::string& text) {
     log_counted(LogLevel::kWarning, "dds", "problems with other participants", text);
   };
+  handlers.on_history = [this](HistoryRequest request, std::string fault) {
+    HistoryService* const history = receives_history_;
+    if (history != nullptr) history->receive(std::move(request), std::move(fault));
+  };
   handlers.on_readers = [this] { readers_came_ = true; };
   handlers.bridges = {[this](const std::string& id) { guard_->found(id); },
                       [this](const std::string& id, BridgeClaims claims) {
@@ -129,6 +133,13 @@ BusGuard::Handlers Bridge::guard_handlers() {
 void Bridge::join() {
   guard_ = std::make_unique<BusGuard>(spec_.name, guard_handlers());
   link_ = std::make_unique<DdsLink>(spec_.dds, spec_.name, link_handlers());
+  history_ = std::make_unique<HistoryService>(
+      spec_.store,
+      HistoryService::Uses{[this](const std::string& bus) { return link_->epoch_of(bus) != 0; },
+                           [this](const HistoryRequest& request, const HistoryResponse& response) {
+                             link_->respond(request, response);
+                           }});
+  receives_history_ = history_.get();
   if (const auto small = receive_buffer_remark(spec_.dds)) log_warning("dds", *small);
   if (const auto alone = multicast_remark(spec_.dds)) log_warning("dds", *alone);
   publish_alarms();

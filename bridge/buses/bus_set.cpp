@@ -140,6 +140,8 @@ bool BusSet::start(const BusSpec& bus, const FollowedBus* followed, std::uint64_
   uses_.commands.add(bus.name, made.runner);
   try {
     followed == nullptr ? link_.add_bus(bus) : link_.take_over_bus(bus, *followed);
+    if (uses_.output.store != nullptr)
+      uses_.output.store->put(BusEpoch{bus.name, link_.epoch_of(bus.name)});
   } catch (const DdsError&) {
     uses_.commands.remove(bus.name);
     made.runner->stop().wait();  // responds to commands that arrived meanwhile

@@ -51,6 +51,8 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/Standby", kBridges, kEverybody},
     {"fieldcast/StandbyNote", kBridges, kBridges},
     {"fieldcast/StandbyRequest", {kPlant}, kBridges},
+    {"fieldcast/HistoryRequest", kAllStations, kBridges},
+    {"fieldcast/HistoryBlock", kBridges, kAllStations},
 };
 
 bool is_name(std::string_view text, std::string_view more) {

@@ -14,6 +14,7 @@
 #include "bridge/station/bus_table.hpp"
 #include "bridge/station/clock_offsets.hpp"
 #include "bridge/station/command_client.hpp"
+#include "bridge/station/history_client.hpp"
 #include "bridge/station/subscription.hpp"
 #include "core/model/channel_pattern.hpp"
 
@@ -86,6 +87,11 @@ struct Station::Site {
     if (!blocks) blocks = std::make_unique<BlockSubscription>(domain, station.short_name);
     return *blocks;
   }
+  HistoryClient& stored() {
+    const std::lock_guard lock(mutex);
+    if (!history) history = std::make_unique<HistoryClient>(domain, station.requester);
+    return *history;
+  }
   template <class Generated, class Type = TopicType<Generated>>
   void subscribe(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
                  typename Subscription<Generated, Type>::Handlers handlers) {
@@ -121,6 +127,7 @@ struct Station::Site {
   std::map<std::string, std::shared_ptr<void>> subscriptions;  // by topic
   std::unique_ptr<BlockSubscription> blocks;
   std::unique_ptr<CommandClient> commands;
+  std::unique_ptr<HistoryClient> history;
 };
 
 struct Station::State {
@@ -429,6 +436,20 @@ void Station::on_result(std::function<void(const StationResult&)> handler) {
 }
 
 std::uint64_t Station::reserve_request_id() { return state_->identity.next_id++; }
+
+tl::expected<HistoryResponse, StationFault> Station::history(HistoryRequest request,
+                                                             Duration wait) {
+  for (const auto& site : state_->sites) {
+    if (!request.bus.starts_with(site->prefix)) continue;
+    request.bus.erase(0, site->prefix.size());
+    return site->stored().request(std::move(request), wait);
+  }
+  return tl::unexpected(StationFault::kNoSite);
+}
+
+void Station::end_history() {
+  for (const auto& site : state_->sites) site->stored().end();
+}
 
 std::vector<std::string> Station::missing_servers() const {
   std::vector<std::string> missing;

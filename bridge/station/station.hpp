@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "bridge/dds/library/library.hpp"
+#include "bridge/dds/topics/history_values.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "core/base/time.hpp"
 #include "core/model/dds_spec.hpp"
@@ -155,6 +156,16 @@ class Station {
                                        Duration wait_for_result = std::chrono::seconds{5});
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
+
+  // Requests stored samples of a bus from the store of the bridge that serves it, and blocks for the
+  // response, at most `wait`. Sets requester and request_id. Continue with a further request after
+  // the last row of the response, as long as `complete` is smaller than the number of channels.
+  // Fails with kNoBridge, kNoResult, kNoRight and kNoSite; then the request may be repeated. One
+  // thread at a time.
+  [[nodiscard]] tl::expected<HistoryResponse, StationFault> history(
+      HistoryRequest request, Duration wait = std::chrono::seconds{2});
+  // Ends the reception of stored samples until the next request. The thread of history().
+  void end_history();
 
   // The configured discovery servers of all sites that do not respond, each once. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;

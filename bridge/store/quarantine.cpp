@@ -64,6 +64,9 @@ std::string log_text(const AlarmEvent& event) {
 std::string log_text(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
+std::string log_text(const BusEpoch& epoch) {
+  return fmt::format("bus {} began epoch {}", epoch.bus, epoch.epoch);
+}
 
 RecordJson json_of(const AuditEntry& entry) {
   return record_json("audit", {{"at", entry.at.nanoseconds},
@@ -130,6 +133,10 @@ RecordJson json_of(const DeviceRecord& device) {
                                  {"address", json_text(device.address)},
                                  {"state", json_text(device.state)},
                                  {"since", device.since.nanoseconds}});
+}
+
+RecordJson json_of(const BusEpoch& epoch) {
+  return record_json("bus_epochs", {{"bus", json_text(epoch.bus)}, {"epoch", epoch.epoch}});
 }
 
 RecordJson json_of(const StoredChannel& channel, const SampleRow& sample) {

@@ -32,6 +32,7 @@ class QuarantineTable {
 [[nodiscard]] std::string log_text(const KeptMaintenance& maintenance);
 [[nodiscard]] std::string log_text(const AlarmEvent& event);
 [[nodiscard]] std::string log_text(const DeviceRecord& device);
+[[nodiscard]] std::string log_text(const BusEpoch& epoch);
 
 // A JSON object in ASCII: table and columns. Invalid UTF-8 as \xE4, non-finite numbers as text.
 struct RecordJson {
@@ -44,6 +45,7 @@ struct RecordJson {
 [[nodiscard]] RecordJson json_of(const KeptMaintenance& maintenance);
 [[nodiscard]] RecordJson json_of(const AlarmEvent& event);
 [[nodiscard]] RecordJson json_of(const DeviceRecord& device);
+[[nodiscard]] RecordJson json_of(const BusEpoch& epoch);
 [[nodiscard]] RecordJson json_of(const StoredChannel& channel, const SampleRow& sample);
 
 }  // namespace fieldcast

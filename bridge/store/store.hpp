@@ -81,14 +81,15 @@ class Store final : public Audit, public AlarmSink {
   void put(KeptMaintenance maintenance) override { put_event(std::move(maintenance)); }
   void put(AlarmEvent event) override { put_event(std::move(event)); }
   void put(DeviceRecord device) { put_event(std::move(device)); }
+  void put(BusEpoch epoch) { put_event(std::move(epoch)); }
 
   [[nodiscard]] StoreCounters counters() const;
   // Waits until all earlier records are written. Returns false after the limit.
   [[nodiscard]] bool flush(Duration limit);
 
  private:
-  using Event =
-      std::variant<AuditEntry, AlarmRecord, KeptAlarm, KeptMaintenance, AlarmEvent, DeviceRecord>;
+  using Event = std::variant<AuditEntry, AlarmRecord, KeptAlarm, KeptMaintenance, AlarmEvent,
+                             DeviceRecord, BusEpoch>;
   struct Batch {
     // `channel` is the index in channels_ until the row is written. A deque does not move its
     // elements when it grows, so a bus never waits for that.

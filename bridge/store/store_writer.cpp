@@ -8,6 +8,7 @@
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/quarantine.hpp"
+#include "bridge/store/tiers/epoch_table.hpp"
 
 namespace fieldcast {
 namespace {
@@ -19,6 +20,8 @@ void insert_event(SqlConnection& connection, const Record& record) {
   if constexpr (std::is_same_v<Record, AuditEntry> || std::is_same_v<Record, AlarmRecord> ||
                 std::is_same_v<Record, DeviceRecord>) {
     EventTable(connection).insert(record);
+  } else if constexpr (std::is_same_v<Record, BusEpoch>) {
+    EpochTable(connection).insert(record);
   } else {
     AlarmLifeTable(connection).insert(record);
   }

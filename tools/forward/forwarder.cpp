@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
@@ -55,6 +56,7 @@ Forwarder::Forwarder(const ForwardSpec& spec)
       gatherer_.restore(position);
     }
   }
+  for (const Gap& gap : queue_.gaps()) (void)open_gaps_.add(gap, steady_now());
 }
 
 // The log of SQLite needs space beside the records.
@@ -93,6 +95,7 @@ void Forwarder::start() {
          commands_->on_request(std::move(request));
        })
                                : nullptr}));
+  fetcher_.emplace("fetch", 1, [this](BoundedQueue<int>& commands) { fetch(commands); });
 }
 
 StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifespan) {
@@ -143,6 +146,7 @@ void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
 void Forwarder::stop() {
   // The outlet ends after the commands, whose responses it sends.
   if (commands_) commands_->close();
+  fetcher_.reset();
   station_.reset();
   worker_.reset();
   sender_.stop();
@@ -169,9 +173,9 @@ void Forwarder::gather(BoundedQueue<int>& commands) {
 
 void Forwarder::append(bool all) {
   if (records_.size() < kMostWaiting) collect(all);
-  if (records_.empty()) return;
+  if (records_.empty() && gaps_.empty()) return;
   try {
-    queue_.append(records_, positions_, read_clocks().utc);
+    queue_.append(records_, positions_, read_clocks().utc, gaps_);
   } catch (const StoreError& error) {
     log_counted(LogLevel::kError, "queue", "faults of the queue",
                 fmt::format("{}; {} messages wait in memory", error.what(), records_.size()));
@@ -179,6 +183,7 @@ void Forwarder::append(bool all) {
   }
   records_.clear();
   positions_.clear();
+  gaps_.clear();
   sender_.wake();
 }
 
@@ -191,14 +196,82 @@ void Forwarder::collect(bool all) {
     alarms = std::exchange(alarms_, {});
   }
   for (Gathered& gathered : batches) {
+    for (Gap& gap : gathered.gaps) open(std::move(gap));
     if (gathered.catalogue) records_.push_back(record_of(spec_.site, *gathered.catalogue));
     records_.push_back(record_of(gathered.batch));
     std::move(gathered.positions.begin(), gathered.positions.end(), std::back_inserter(positions_));
   }
+  collect_fetched();
   for (const StationAlarmStatus& alarm : alarms) {
     records_.push_back(record_of(spec_.site, alarm));
     positions_.push_back({to_text(alarm.alarm), {0, records_.back().identity}});
   }
+}
+
+void Forwarder::open(Gap gap) {
+  const std::lock_guard lock(mutex_);
+  if (open_gaps_.add(gap, steady_now())) {
+    gaps_.push_back({std::move(gap)});
+  } else {
+    ++refused_gaps_;
+  }
+}
+
+// Fetched samples become records.
+void Forwarder::collect_fetched() {
+  const std::lock_guard lock(mutex_);
+  for (GapTable::Progress& progress : std::exchange(fetched_, {})) {
+    for (Fetched& part : progress.fetched) {
+      auto late = gatherer_.late_batch(std::move(part));
+      if (!late) continue;
+      if (late->catalogue) records_.push_back(record_of(spec_.site, *late->catalogue));
+      records_.push_back(record_of(late->batch));
+      records_.back().is_late = true;
+    }
+    std::move(progress.changes.begin(), progress.changes.end(), std::back_inserter(gaps_));
+  }
+}
+
+void Forwarder::fetch(BoundedQueue<int>& commands) {
+  while (!commands.pause(kFetch)) {
+    bool has_fetched = false;
+    while (!commands.closed() && fetch_part()) has_fetched = true;
+    if (has_fetched) station_->end_history();
+  }
+}
+
+bool Forwarder::fetch_part() {
+  std::optional<HistoryRequest> request;
+  bool is_full = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_full = fetched_.size() >= kMaxFetched;
+    if (!is_full) request = open_gaps_.next(steady_now(), read_clocks().utc);
+  }
+  if (is_full) {
+    std::this_thread::sleep_for(kLook);
+    return true;
+  }
+  if (!request) return false;
+  auto response = station_->history(*request);
+  const std::lock_guard lock(mutex_);
+  if (!response) {
+    open_gaps_.on_failure(request->bus, steady_now());
+    return true;
+  }
+  GapTable::Progress progress =
+      open_gaps_.on_response(*request, *std::move(response), steady_now());
+  if (!progress.refusal.empty()) {
+    log_counted(LogLevel::kWarning, request->bus, "samples that the bridge cannot deliver again",
+                fmt::format("samples are missing: {}", progress.refusal));
+  }
+  fetched_samples_ += progress.samples;
+  if (open_gaps_.size() == 0 && fetched_samples_ != 0) {
+    log_info("fetch", fmt::format("{} missing samples were fetched from the stores of bridges",
+                                  std::exchange(fetched_samples_, 0)));
+  }
+  fetched_.push_back(std::move(progress));
+  return true;
 }
 
 SiteStatus Forwarder::status() {
@@ -242,9 +315,10 @@ void Forwarder::report() {
                             now.dropped_records - logged_.dropped_records,
                             now.dropped_samples - logged_.dropped_samples));
   }
-  std::uint64_t lost_alarms = 0;
+  std::uint64_t lost_alarms = 0, refused_gaps = 0;
   {
     const std::lock_guard lock(mutex_);
+    refused_gaps = std::exchange(refused_gaps_, 0);
     lost_alarms = std::exchange(lost_alarms_, 0);
   }
   if (now.lost_samples != logged_.lost_samples || lost_alarms != 0) {
@@ -252,6 +326,10 @@ void Forwarder::report() {
                 fmt::format("the queue cannot be written fast enough: {} samples and {} alarms "
                             "lost since the last report",
                             now.lost_samples - logged_.lost_samples, lost_alarms));
+  }
+  if (refused_gaps != 0) {
+    log_warning("fetch", fmt::format("{} gaps of channels are not filled: more than {} are open",
+                                     refused_gaps, GapTable::kMaxGaps));
   }
   logged_ = now;
 }

@@ -14,6 +14,7 @@
 #include "bridge/base/worker.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/station/station.hpp"
+#include "tools/backfill/gap_table.hpp"
 #include "tools/forward/batch/gatherer.hpp"
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/send/sender.hpp"
@@ -48,6 +49,9 @@ class Forwarder {
   // The same while the queue cannot be written.
   static constexpr Duration kLookAfterFault = std::chrono::seconds{1};
   static constexpr Duration kClean = std::chrono::minutes{1};
+  // Between two looks for samples that must be fetched, and responses that wait to be appended.
+  static constexpr Duration kFetch = std::chrono::seconds{1};
+  static constexpr std::size_t kMaxFetched = 8;
   // Alarms that wait for the thread `gather`, and known alarms. Further ones are dropped and
   // counted.
   static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
@@ -60,12 +64,21 @@ class Forwarder {
   // Appends what has ended; keeps it for the next call if the queue cannot be written.
   void append(bool all);
   void collect(bool all);
+  void fetch(BoundedQueue<int>& commands);
+  // Returns false if no request is due.
+  [[nodiscard]] bool fetch_part();
+  void open(Gap gap);
+  void collect_fetched();
 
   const ForwardSpec spec_;
   Queue queue_;
   Sender sender_;
 
-  mutable std::mutex mutex_;  // protects the four members below
+  mutable std::mutex mutex_;  // protects the members below, to lost_alarms_
+  GapTable open_gaps_;
+  std::vector<GapTable::Progress> fetched_;  // for the thread `gather`
+  std::uint64_t refused_gaps_ = 0;           // since the last report
+  std::uint64_t fetched_samples_ = 0;        // since the last report
   Gatherer gatherer_;
   std::vector<StationAlarmStatus> alarms_;
   std::map<std::string, Position, std::less<>> alarm_positions_;
@@ -74,6 +87,7 @@ class Forwarder {
   // Of the thread `gather`.
   std::vector<Record> records_;  // not appended yet
   std::vector<NamedPosition> positions_;
+  std::vector<GapChange> gaps_;
 
   const UtcTime started_at_ = read_clocks().utc;
   std::atomic<Instant> turned_{steady_now()};  // of the thread `gather`
@@ -81,7 +95,7 @@ class Forwarder {
 
   std::unique_ptr<Station> station_;
   std::unique_ptr<CommandService> commands_;  // null: not accepted
-  std::optional<Worker<int>> worker_;
+  std::optional<Worker<int>> worker_, fetcher_;
 };
 
 // One line: "connected, 12 messages wait (3.1 kB), 12000 samples acknowledged, ..".

@@ -50,6 +50,7 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
   if (handlers.bridges.received)
     presence = std::make_unique<BridgeAnnouncement>(domain, writers, label, handlers.bridges,
                                                     handlers.on_problem);
+  listen_for_history();
   snapshots = std::make_unique<SnapshotSender>(
       domain,
       [this](const std::string& bus, SnapshotSender::Part part) {
@@ -179,6 +180,17 @@ void DdsLink::State::listen_for(const std::string& bus) {
   if (domain.member() && !held.contains(bus)) held[bus] = listen(bus);
 }
 
+void DdsLink::State::listen_for_history() {
+  if (!handlers.on_history) return;
+  try {
+    history = std::make_unique<HistoryEndpoint>(domain, label, block_bytes, handlers.on_history);
+  } catch (const DdsError& error) {
+    handlers.on_problem(std::string(error.what()) +
+                        ": goes on without it; 'fieldcast secure renew' gives an identity of an "
+                        "earlier version this right");
+  }
+}
+
 void DdsLink::add_bus(const BusSpec& spec) {
   auto bus = state_->made(spec);
   if (!bus->catalogue.publish())
@@ -207,6 +219,16 @@ std::vector<StandbyBusFigures> DdsLink::stream_figures() const {
   for (const auto& [name, bus] : state_->buses)
     figures.push_back({name, bus->catalogue.epoch(), bus->blocks.written()});
   return figures;
+}
+
+void DdsLink::respond(const HistoryRequest& request, const HistoryResponse& response) {
+  if (state_->history) state_->history->respond(request, response);
+}
+
+std::uint64_t DdsLink::epoch_of(std::string_view bus) const {
+  const std::shared_lock lock(state_->mutex);
+  const LinkedBus* const found = state_->find(bus);
+  return found == nullptr ? 0 : found->catalogue.epoch();
 }
 
 Domain& DdsLink::domain() { return state_->domain; }
@@ -252,6 +274,7 @@ void DdsLink::close(Duration linger, Leave leave) {
   state_->closed = true;
   state_->receivers.close();
   for (const auto& [bus, receivers] : state_->held) receivers.close();
+  if (state_->history) state_->history->close();
   state_->interests->close();
   state_->snapshots->close();
   state_->results.close(linger);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "bridge/dds/library/library.hpp"
+#include "bridge/dds/topics/history_values.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "bridge/standby/standby_values.hpp"
@@ -56,6 +57,9 @@ class DdsLink {
     BridgeHandlers bridges{};  // set all of them or none
     // An operator's action on an alarm of an added bus; complete() responds. Null: not received.
     std::function<void(AlarmAction action)> on_alarm_action{};
+    // A request for stored samples of any bus; respond() responds. `fault`: why it breaks the rules,
+    // or empty. Null: not received.
+    std::function<void(HistoryRequest request, std::string fault)> on_history{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};
   };
@@ -127,6 +131,11 @@ class DdsLink {
   // Publishes the result of a command and releases its instance. Any thread. A result whose
   // requester's reader is not matched yet is held for up to a second.
   void complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping);
+
+  // Responds to a request for stored samples. One thread at a time; waits between blocks.
+  void respond(const HistoryRequest& request, const HistoryResponse& response);
+  // Epoch of the catalogue of a bus that this bridge serves; 0 if it does not. Any thread.
+  [[nodiscard]] std::uint64_t epoch_of(std::string_view bus) const;
 
   // Publishes status, once a second and at changes. One caller for a bus.
   void report(std::string_view bus, const BusReport& report, UtcTime at);

@@ -16,6 +16,7 @@
 #include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/dds/endpoints/history_endpoint.hpp"
 #include "bridge/dds/endpoints/result_sender.hpp"
 #include "bridge/dds/endpoints/sample_writers.hpp"
 #include "bridge/dds/receivers/interest_receiver.hpp"
@@ -113,6 +114,7 @@ struct DdsLink::State {
   std::unique_ptr<LinkedBus> made(const BusSpec& spec);
   void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
   void listen_for(const std::string& bus);
+  void listen_for_history();
 
   const std::string bridge;
   const Handlers handlers;
@@ -128,7 +130,8 @@ struct DdsLink::State {
   // Receivers for members restricted to a bus, by bus.
   std::map<std::string, Receivers, std::less<>> held;
   std::unique_ptr<BridgeAnnouncement> presence;
-  std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
+  std::unique_ptr<HistoryEndpoint> history;  // null if it is not wanted, or without the right
+  std::shared_mutex mutex;                   // shared to use a bus, exclusive to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;

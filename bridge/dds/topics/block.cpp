@@ -22,23 +22,27 @@ void to_last_value(const Sample& sample, const UtcMapping& mapping, LastValue& o
   out.device_code = sample.device_code;
   out.acquired_at = mapping.to_utc(sample.acquired).nanoseconds;
   out.sequence = sample.sequence;
-  if (const auto* text = std::get_if<std::string>(&sample.value)) {
+  to_last_value(sample.value, out);
+}
+
+void to_last_value(const Value& value, LastValue& out) {
+  if (const auto* text = std::get_if<std::string>(&value)) {
     out.kind = idl::ValueKind::VALUE_STRING;
     const bool fits = text->size() <= kMaxTextValue && text->find('\0') == std::string::npos;
     out.text = fits ? *text : std::string();
     if (!fits) out.quality = idl::Quality::BAD_RANGE;
-  } else if (const auto* on = std::get_if<bool>(&sample.value)) {
+  } else if (const auto* on = std::get_if<bool>(&value)) {
     out.kind = idl::ValueKind::VALUE_BOOLEAN;
     out.bits = *on ? 1 : 0;
-  } else if (const auto* whole = std::get_if<std::int64_t>(&sample.value)) {
+  } else if (const auto* whole = std::get_if<std::int64_t>(&value)) {
     out.kind = idl::ValueKind::VALUE_INT64;
     out.bits = static_cast<std::uint64_t>(*whole);
-  } else if (const auto* natural = std::get_if<std::uint64_t>(&sample.value)) {
+  } else if (const auto* natural = std::get_if<std::uint64_t>(&value)) {
     out.kind = idl::ValueKind::VALUE_UINT64;
     out.bits = *natural;
   } else {
     out.kind = idl::ValueKind::VALUE_DOUBLE;
-    out.bits = std::bit_cast<std::uint64_t>(std::get<double>(sample.value));
+    out.bits = std::bit_cast<std::uint64_t>(std::get<double>(value));
   }
 }
 
@@ -87,26 +91,21 @@ bool is_whole(const idl::SampleBlock& block) {
          (fits(block.acquired_at()) || block.acquired_at().size() == 1);
 }
 
-namespace {
-
-std::optional<Value> value_of(const idl::SampleBlock& block, std::size_t row) {
-  const std::uint64_t bits = block.values()[row];
-  switch (static_cast<idl::ValueKind>(block.kinds()[row])) {
+std::optional<Value> value_of(std::uint8_t kind, std::uint64_t bits, const BlockTexts& texts) {
+  switch (static_cast<idl::ValueKind>(kind)) {
     case idl::ValueKind::VALUE_BOOLEAN: return bits != 0;
     case idl::ValueKind::VALUE_INT64: return static_cast<std::int64_t>(bits);
     case idl::ValueKind::VALUE_UINT64: return bits;
     case idl::ValueKind::VALUE_DOUBLE: return std::bit_cast<double>(bits);
     case idl::ValueKind::VALUE_STRING:
-      if (bits >= block.texts().size()) return std::nullopt;
-      return std::string(block.texts()[bits].c_str());
+      if (bits >= texts.size()) return std::nullopt;
+      return std::string(texts[bits].c_str());
   }
   return std::nullopt;
 }
 
-}  // namespace
-
 bool read_row(const idl::SampleBlock& block, std::size_t row, StationSample& out) {
-  std::optional<Value> value = value_of(block, row);
+  std::optional<Value> value = value_of(block.kinds()[row], block.values()[row], block.texts());
   const auto quality = from_idl(static_cast<idl::Quality>(block.qualities()[row]));
   if (!value || !quality) return false;
   out.value = std::move(*value);

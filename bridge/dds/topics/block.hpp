@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/topics.hpp"
@@ -28,6 +31,12 @@ struct LastValue {
 };
 // As to_idl(): a text that does not fit becomes an empty one of quality BAD_RANGE.
 void to_last_value(const Sample& sample, const UtcMapping& mapping, LastValue& out);
+// Only the value; changes the quality if a text does not fit.
+void to_last_value(const Value& value, LastValue& out);
+// Value of a row from its columns. Empty for an unknown kind or text.
+using BlockTexts = std::remove_cvref_t<decltype(std::declval<idl::SampleBlock&>().texts())>;
+[[nodiscard]] std::optional<Value> value_of(std::uint8_t kind, std::uint64_t bits,
+                                            const BlockTexts& texts);
 
 // Adds rows to a block until it is full.
 class BlockFiller {

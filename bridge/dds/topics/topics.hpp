@@ -40,7 +40,9 @@ inline constexpr std::int32_t kBlocksKept = 256;      // of a bus, for readers t
 inline constexpr std::int32_t kBlocksTaken = 1024;    // of all buses, not yet taken by a station
 inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL sequence<.., 64>
 
-inline constexpr std::int32_t kMaxStandbyMembers = 256;  // in the domain
+inline constexpr std::int32_t kHistoryRequestsKept = 16;  // not yet taken by a bridge
+inline constexpr std::int32_t kHistoryBlocksKept = 256;   // a response has at most 128
+inline constexpr std::int32_t kMaxStandbyMembers = 256;   // in the domain
 inline constexpr std::int32_t kStandbyNotesKept = 4096;
 
 // Lease of writers that show that their process is alive.
@@ -162,6 +164,14 @@ inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
      Repair::kSaving}};
 inline constexpr Topic<idl::SnapshotRequestPubSubType> kSnapshotRequestTopic{
     {"fieldcast/SnapshotRequest", kPasses, last_of(kMaxBuses), last_of(kMaxBuses)}};
+inline constexpr auto kHistoryRequestTopic = optional(Topic<idl::HistoryRequestPubSubType>{
+    {"fieldcast/HistoryRequest", kPasses, last_of(1, kHistoryRequestsKept),
+     last_of(1, kHistoryRequestsKept), Lease::kNone, Unregister::kDisposes,
+     std::chrono::milliseconds{100}, Keys::kNone}});
+inline constexpr auto kHistoryBlockTopic = optional(Topic<idl::HistoryBlockPubSubType>{
+    {"fieldcast/HistoryBlock", kPasses, last_of(1, kHistoryBlocksKept),
+     last_of(1, kHistoryBlocksKept), Lease::kNone, Unregister::kDisposes,
+     std::chrono::milliseconds{100}, Keys::kNone}});
 inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
     {"fieldcast/CatalogueBlock", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
 // With the LIFESPAN of its writer. Two samples of an instance: the command, and its unregister
@@ -202,7 +212,8 @@ inline constexpr std::tuple kTopicTable{
     &kChannelTopic,        &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
     &kProgramRequestTopic, &kReadPlanTopic,        &kAlarmTopic,          &kAlarmStatusTopic,
     &kAlarmActionTopic,    &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
-    &kBridgeTopic,         &kStandbyTopic,         &kStandbyNoteTopic,    &kStandbyRequestTopic};
+    &kBridgeTopic,         &kStandbyTopic,         &kStandbyNoteTopic,    &kStandbyRequestTopic,
+    &kHistoryRequestTopic, &kHistoryBlockTopic};
 
 inline constexpr auto kTopics = std::apply(
     [](const auto*... row) { return std::array<const TopicRow*, sizeof...(row)>{row...}; },

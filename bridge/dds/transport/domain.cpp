@@ -89,6 +89,12 @@ bool is_urgent(const std::string& topic) {
          topic == kInterestTopic.name;
 }
 
+// Of the flow controller: the smallest is sent first.
+const char* priority_of(const std::string& topic) {
+  if (is_urgent(topic)) return "-10";
+  return topic == kHistoryBlockTopic.name ? "10" : "0";
+}
+
 // Fast DDS 3 announces the types of topics, and requests those of other participants. Cyclone DDS
 // would then request a type before it matches, and the guard refuses that service
 // (RtpsFault::kService). Fast DDS 2.9 ignores the property. A profile of the user has precedence.
@@ -283,6 +289,7 @@ void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
 }
 
 dds::Topic* Domain::make_topic(const TopicRow& row, const dds::TypeSupport& type) {
+  const std::lock_guard lock(mutex_);
   dds::Topic*& topic = topics_[row.name];
   if (topic != nullptr) return topic;
   const std::string registered = type_name(row);
@@ -316,7 +323,7 @@ dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
     qos.publish_mode().flow_controller_name = kFlowController;
     qos.properties().properties().emplace_back("fastdds.sfc.priority",
-                                               is_urgent(topic->get_name()) ? "-10" : "0");
+                                               priority_of(topic->get_name()));
   }
   check_right(*topic, true);
   const security::TopicRight* right = security::right_of(topic->get_name());
@@ -346,6 +353,7 @@ dds::DataReader* Domain::make_reader_of_bus(const std::string& bus, dds::Topic* 
       subscriber == nullptr ? nullptr : subscriber->create_datareader(topic, qos, listener, mask);
   if (reader == nullptr)
     throw DdsError("dds: cannot make a reader of " + topic->get_name() + " for bus " + bus);
+  const std::lock_guard lock(mutex_);
   of_buses_[reader] = subscriber;
   return reader;
 }
@@ -359,7 +367,10 @@ void Domain::remove(dds::DataWriter* writer) {
 
 void Domain::remove(dds::DataReader* reader) {
   reader->set_listener(nullptr);
-  const auto own = of_buses_.extract(reader);
+  auto own = [&] {
+    const std::lock_guard lock(mutex_);
+    return of_buses_.extract(reader);
+  }();
   if (own.empty()) {
     subscriber_->delete_datareader(reader);
     return;

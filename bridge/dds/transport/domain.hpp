@@ -1,5 +1,5 @@
 // One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every
-// entity that is created through it. One thread at a time creates, closes and makes endpoints.
+// entity that is created through it. Any thread creates and removes endpoints.
 #pragma once
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -10,6 +10,7 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -105,6 +106,7 @@ class Domain {
   dds::Publisher* publisher_ = nullptr;
   dds::Publisher* held_publisher_ = nullptr;  // for topics by bus, for a member restricted to buses
   dds::Subscriber* subscriber_ = nullptr;
+  std::mutex mutex_;                                       // protects the two maps below
   std::map<dds::DataReader*, dds::Subscriber*> of_buses_;  // readers with a subscriber of their own
   std::map<std::string, dds::Topic*> topics_;
   std::unique_ptr<MemberWatch> watch_;  // null without DDS Security

@@ -39,6 +39,13 @@ struct StoredSample {
   friend bool operator==(const StoredSample&, const StoredSample&) = default;
 };
 
+// A bus began to publish with this epoch of its catalogue.
+struct BusEpoch {
+  std::string bus;
+  std::uint64_t epoch = 0;
+  friend bool operator==(const BusEpoch&, const BusEpoch&) = default;
+};
+
 struct DeviceRecord {
   std::string bus, device, protocol;
   std::string address;  // "/dev/ttyUSB0 19200 8E1, 7"

@@ -162,6 +162,11 @@ create table quarantine (
 create view quarantine_list as
 select id, {time at} as at, table_name, content, reason, at as at_ns from quarantine;
 )",
+    // Epochs of the catalogues of buses (UTC nanoseconds). The samples that a bus published from an
+    // epoch until the next one belong to it.
+    R"(
+create table bus_epochs (bus text not null, epoch bigint not null, primary key (bus, epoch)) {clustered};
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

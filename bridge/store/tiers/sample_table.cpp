@@ -197,6 +197,40 @@ std::int64_t SampleTable::part(const StoredChannel& channel, Position& after, Ut
   return count;
 }
 
+void SampleTable::between(std::int64_t channel, const Span& span, std::int64_t limit,
+                          const std::function<bool(StoredSample& sample)>& on_sample) {
+  StoredSample sample;
+  connection_.query(
+      "select published_at, sequence, acquired_at, quality, device_code, value_kind, "
+      "integer_value, real_value, text_value "
+      "from samples where channel = $1 and published_at >= $2 and published_at < $3 and "
+      "(published_at >= $4 or sequence > $5) and (published_at < $6 or sequence < $7) "
+      "order by published_at, sequence limit $8",
+      {channel, span.from.nanoseconds, span.to.nanoseconds, span.after_until.nanoseconds,
+       static_cast<std::int64_t>(span.after), span.before_from.nanoseconds,
+       static_cast<std::int64_t>(span.before), limit},
+      [&](const SqlRow& row) {
+        read(row, sample);
+        return on_sample(sample);
+      });
+}
+
+std::optional<SampleRow> SampleTable::first(std::int64_t channel, UtcTime from, UtcTime to) {
+  std::optional<SampleRow> found;
+  connection_.query(
+      "select published_at, sequence, acquired_at, quality from samples where channel = $1 and "
+      "published_at >= $2 and published_at < $3 order by published_at, sequence limit 1",
+      {channel, from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
+        found = {.channel = channel,
+                 .published_at = {integer_at(row, 0)},
+                 .acquired_at = {integer_at(row, 2)},
+                 .sequence = static_cast<std::uint64_t>(integer_at(row, 1)),
+                 .quality = quality_from(integer_at(row, 3))};
+        return false;
+      });
+  return found;
+}
+
 void SampleTable::numbers(std::int64_t channel, UtcTime from, UtcTime to, std::int64_t limit,
                           const OnNumber& on_number) {
   connection_.query(

@@ -65,6 +65,24 @@ class SampleTable {
   std::int64_t part(const StoredChannel& channel, Position& after, UtcTime to, std::int64_t limit,
                     const std::function<void(const StoredSample&)>& on_sample);
 
+  // Samples of a channel with from <= published_at < to, without those
+  //   that were published before `after_until` and have no greater sequence than `after`;
+  //   that were published at or after `before_from` and have no smaller sequence than `before`.
+  struct Span {
+    UtcTime from, to = kEndOfTime;
+    UtcTime after_until;
+    std::uint64_t after = 0;
+    UtcTime before_from = kEndOfTime;
+    std::uint64_t before = 0;
+    friend bool operator==(const Span&, const Span&) = default;
+  };
+  // Reads at most `limit`, in the order of publication, until on_sample returns false. The names
+  // are empty.
+  void between(std::int64_t channel, const Span& span, std::int64_t limit,
+               const std::function<bool(StoredSample& sample)>& on_sample);
+  // Returns the first sample with from <= published_at < to, without its value.
+  [[nodiscard]] std::optional<SampleRow> first(std::int64_t channel, UtcTime from, UtcTime to);
+
   // Returns the channels that match the pattern, sorted by name.
   [[nodiscard]] std::vector<StoredChannel> channels(const Pattern& pattern);
   [[nodiscard]] std::optional<StoredChannel> find(const ChannelPath& path);

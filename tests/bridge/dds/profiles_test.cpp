@@ -68,7 +68,8 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
       {kCommandTopic.name, command_writer_qos(5s)},
       {kAlarmActionTopic.name, alarm_action_writer_qos(5s)},
       {kInterestTopic.name, writer_qos(kInterestTopic)},
-      {kSnapshotRequestTopic.name, writer_qos(kSnapshotRequestTopic)}};
+      {kSnapshotRequestTopic.name, writer_qos(kSnapshotRequestTopic)},
+      {kHistoryRequestTopic.name, writer_qos(kHistoryRequestTopic)}};
   for (const TopicRow* topic : kTopics) {
     SCOPED_TRACE(topic->name);
     if (topic == &kBridgeTopic || topic == &kStandbyTopic || topic == &kStandbyNoteTopic ||

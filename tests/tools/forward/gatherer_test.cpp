@@ -172,5 +172,41 @@ TEST(Identity, DiffersByEachPartOfABatch) {
   EXPECT_EQ(identity_of(seconds(0, 3)), identity_of(batch));
 }
 
+TEST_F(GathererTest, AGapIsReportedWithTheBatchThatFollowsIt) {
+  announce({"a", "b"});
+  gatherer.on_sample(sample("a", 4), kStart);
+  gatherer.on_sample(sample("b", 1), kStart);
+  EXPECT_TRUE(gatherer.take(kStart, true).at(0).gaps.empty()) << "the first samples have no gap";
+  gatherer.on_sample(sample("a", 5), kStart);
+  gatherer.on_sample(sample("a", 9), kStart);
+  gatherer.on_sample(sample("b", 1, 8), kStart);
+  std::vector<Gap> gaps;
+  for (const Gathered& gathered : gatherer.take(kStart, true))
+    gaps.insert(gaps.end(), gathered.gaps.begin(), gathered.gaps.end());
+  EXPECT_THAT(gaps, testing::UnorderedElementsAre(Gap{"line/press/a", {7, 5}, {7, 9}, {}},
+                                                  Gap{"line/press/b", {7, 1}, {8, 1}, {}}));
+}
+
+TEST_F(GathererTest, TheGapSinceTheLastRunIsReported) {
+  gatherer.restore({"line/press/a", {7, 3}});
+  announce({"a"});
+  gatherer.on_sample(sample("a", 8), kStart);
+  EXPECT_THAT(gatherer.take(kStart, true).at(0).gaps,
+              testing::ElementsAre(Gap{"line/press/a", {7, 3}, {7, 8}, {}}));
+}
+
+TEST_F(GathererTest, AFetchedBatchHasTheCatalogueButNoPosition) {
+  announce({"a", "b"});
+  const auto late =
+      gatherer.late_batch({"line", "press", 6, {{"b", {.number = {6, 4}}}, {"unknown", {}}}});
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->catalogue);
+  EXPECT_TRUE(late->positions.empty());
+  EXPECT_EQ(late->batch.epoch, 6u);
+  ASSERT_EQ(late->batch.samples.size(), 1u);
+  EXPECT_EQ(late->batch.samples[0].channel, 1u);
+  EXPECT_FALSE(gatherer.late_batch({"line", "removed", 6, {{"a", {}}}}));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

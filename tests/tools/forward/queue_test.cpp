@@ -282,5 +282,21 @@ TEST_F(QueueTest, AFileThatIsNotAQueueIsRefusedWithItsName) {
   } catch (const StoreError& error) { EXPECT_THAT(error.what(), testing::HasSubstr(path)); }
 }
 
+TEST_F(QueueTest, GapsAreKeptUntilTheyAreClosed) {
+  const Gap first{"line/press/a", {7, 1}, {7, 9}, {}}, second{"line/press/a", {8, 1}, {8, 3}, {}};
+  {
+    Queue queue = open();
+    const std::vector<GapChange> changes{{first}, {second}};
+    queue.append({}, {}, kNow, changes);
+  }
+  {
+    Queue queue = open();
+    EXPECT_THAT(queue.gaps(), testing::UnorderedElementsAre(first, second));
+    const std::vector<GapChange> changes{{{first.path, {7, 5}, first.until, {}}}, {second, true}};
+    queue.append({}, {}, kNow, changes);
+  }
+  EXPECT_THAT(open().gaps(), testing::ElementsAre(Gap{first.path, {7, 5}, first.until, {}}));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

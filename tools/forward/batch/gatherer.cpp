@@ -76,7 +76,11 @@ void Gatherer::on_sample(const StationSample& sample, Instant now) {
     device->began = now;
     batch.epoch = sample.epoch;
   }
-  position = {sample.epoch, sample.sequence};
+  const Position present{sample.epoch, sample.sequence};
+  if (is_gap(number_of(position), number_of(present)))
+    device->gaps.push_back(
+        {device->channels[*channel].path, number_of(position), number_of(present), {}});
+  position = present;
   batch.samples.push_back({*channel, sample.sequence, sample.acquired_at, sample.value,
                            sample.quality, sample.device_code});
   ++pending_;
@@ -85,9 +89,7 @@ void Gatherer::on_sample(const StationSample& sample, Instant now) {
   if (batch.samples.size() >= spec_.samples || device->texts >= kMaxTexts) end_batch(*device);
 }
 
-void Gatherer::end_batch(Device& device) {
-  SampleBatch& batch = device.pending;
-  if (batch.samples.empty()) return;
+Gathered Gatherer::gathered(Device& device, SampleBatch batch) const {
   Gathered gathered;
   if (!device.is_published) {
     DeviceCatalogue& catalogue = gathered.catalogue.emplace();
@@ -97,19 +99,43 @@ void Gatherer::end_batch(Device& device) {
     device.catalogue = identity_of(catalogue);
     device.is_published = true;
   }
+  batch.catalogue = device.catalogue;
   std::stable_sort(
       batch.samples.begin(), batch.samples.end(),
       [](const BatchSample& a, const BatchSample& b) { return a.channel < b.channel; });
+  gathered.batch = std::move(batch);
+  return gathered;
+}
+
+void Gatherer::end_batch(Device& device) {
+  if (device.pending.samples.empty()) return;
+  SampleBatch ended{device.pending.bus, device.pending.device, device.pending.epoch, 0,
+                    std::exchange(device.pending.samples, {})};
+  Gathered gathered = this->gathered(device, std::move(ended));
+  const SampleBatch& batch = gathered.batch;
   for (std::size_t i = 0; i < batch.samples.size(); ++i) {
     const BatchSample& sample = batch.samples[i];
     if (i + 1 < batch.samples.size() && batch.samples[i + 1].channel == sample.channel) continue;
     gathered.positions.push_back(
         {device.channels[sample.channel].path, {batch.epoch, sample.sequence}});
   }
-  gathered.batch = {batch.bus, batch.device, batch.epoch, device.catalogue,
-                    std::exchange(batch.samples, {})};
+  gathered.gaps = std::exchange(device.gaps, {});
   device.texts = 0;
   ended_.push_back(std::move(gathered));
+}
+
+std::optional<Gathered> Gatherer::late_batch(Fetched fetched) {
+  Device* const of = device_of(fetched.bus, fetched.device);
+  if (of == nullptr) return std::nullopt;
+  SampleBatch batch{fetched.bus, fetched.device, fetched.epoch, 0, {}};
+  for (auto& [name, row] : fetched.samples) {
+    const auto channel = of->find(name);
+    if (!channel) continue;
+    batch.samples.push_back({*channel, row.number.sequence, row.acquired_at, std::move(row.value),
+                             row.quality, row.device_code});
+  }
+  if (batch.samples.empty()) return std::nullopt;
+  return gathered(*of, std::move(batch));
 }
 
 std::vector<Gathered> Gatherer::take(Instant now, bool all) {

@@ -11,8 +11,10 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "tools/backfill/gap_table.hpp"
 #include "tools/forward/batch/sample_batch.hpp"
 
 namespace fieldcast::forward {
@@ -28,6 +30,7 @@ struct Gathered {
   std::optional<DeviceCatalogue> catalogue;
   SampleBatch batch;
   std::vector<NamedPosition> positions;  // of the batch's channels, after the batch
+  std::vector<Gap> gaps;                 // before samples of the batch
 };
 
 class Gatherer {
@@ -48,6 +51,10 @@ class Gatherer {
   void on_channel_removed(const std::string& bus, const std::string& device,
                           const std::string& channel);
   void on_sample(const StationSample& sample, Instant now);
+
+  // Makes a batch of samples that were fetched from a store. Empty if the device or all channels
+  // were removed.
+  [[nodiscard]] std::optional<Gathered> late_batch(Fetched fetched);
 
   // Returns the batches that have ended; with `all`, also those that have not.
   [[nodiscard]] std::vector<Gathered> take(Instant now, bool all = false);
@@ -75,12 +82,15 @@ class Gatherer {
     bool is_published = false;    // the present catalogue
     std::uint64_t catalogue = 0;  // its identity, if is_published
     SampleBatch pending;
+    std::vector<Gap> gaps;  // before its samples
     std::size_t texts = 0;  // bytes of its text values
     Instant began{};        // arrival of the first pending sample
   };
 
   [[nodiscard]] Device* device_of(const std::string& bus, const std::string& device);
   void end_batch(Device& device);
+  // Returns the batch, with the device's catalogue if that is not published yet.
+  [[nodiscard]] Gathered gathered(Device& device, SampleBatch batch) const;
 
   const GatherSpec spec_;
   std::map<std::string, Device> devices_;  // by "bus/device"

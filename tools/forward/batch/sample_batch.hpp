@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bridge/dds/topics/history_values.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
@@ -51,6 +52,9 @@ struct Position {
   std::uint64_t sequence = 0;  // of an alarm: its identity
   friend bool operator==(const Position&, const Position&) = default;
 };
+[[nodiscard]] inline SampleNumber number_of(const Position& position) {
+  return {position.epoch, position.sequence};
+}
 struct NamedPosition {
   std::string name;  // "bus/device/channel", of an alarm followed by its limit
   Position position;

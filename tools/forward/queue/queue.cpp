@@ -22,6 +22,10 @@ create table if not exists records(
 create table if not exists catalogues(identity integer primary key, body blob not null);
 create table if not exists positions(
   name text primary key, epoch integer not null, sequence integer not null) without rowid;
+create table if not exists gaps(
+  name text not null, after_epoch integer not null, after_sequence integer not null,
+  until_epoch integer not null, until_sequence integer not null,
+  primary key(name, until_epoch, until_sequence)) without rowid;
 )";
 // A file of an earlier version: its records may have been sent.
 constexpr const char* kUpgrade = R"(
@@ -40,6 +44,12 @@ constexpr const char* kKeepCatalogue =
 constexpr const char* kKeepPosition =
     "insert into positions(name, epoch, sequence) values($1, $2, $3) "
     "on conflict(name) do update set epoch = excluded.epoch, sequence = excluded.sequence";
+constexpr const char* kKeepGap =
+    "insert into gaps(name, after_epoch, after_sequence, until_epoch, until_sequence) "
+    "values($1, $2, $3, $4, $5) on conflict(name, until_epoch, until_sequence) do update set "
+    "after_epoch = excluded.after_epoch, after_sequence = excluded.after_sequence";
+constexpr const char* kCloseGap =
+    "delete from gaps where name = $1 and until_epoch = $2 and until_sequence = $3";
 constexpr const char* kRead =
     "select id, kind, bus, device, epoch, identity, samples, body, late, fixed from records "
     "where id > $1 order by id";
@@ -134,12 +144,12 @@ void Queue::write(Work work) {
 }
 
 void Queue::append(std::span<const Record> records, std::span<const NamedPosition> positions,
-                   UtcTime now) {
-  write([&] { append_all(records, positions, now); });
+                   UtcTime now, std::span<const GapChange> gaps) {
+  write([&] { append_all(records, positions, now, gaps); });
 }
 
 void Queue::append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
-                       UtcTime now) {
+                       UtcTime now, std::span<const GapChange> gaps) {
   Counters counters = counters_;
   SqlTransaction transaction(*connection_);
   for (const Record& record : records) {
@@ -157,9 +167,23 @@ void Queue::append_all(std::span<const Record> records, std::span<const NamedPos
   for (const NamedPosition& each : positions)
     connection_->execute(kKeepPosition, SqlRow{each.name, as_integer(each.position.epoch),
                                                as_integer(each.position.sequence)});
+  for (const GapChange& change : gaps) keep(change);
   make_space(counters);
   transaction.commit();
   counters_ = counters;
+}
+
+void Queue::keep(const GapChange& change) {
+  const Gap& gap = change.gap;
+  const auto until_epoch = as_integer(gap.until.epoch);
+  const auto until_sequence = as_integer(gap.until.sequence);
+  if (change.is_closed) {
+    connection_->execute(kCloseGap, SqlRow{gap.path, until_epoch, until_sequence});
+    return;
+  }
+  connection_->execute(kKeepGap,
+                       SqlRow{gap.path, as_integer(gap.after.epoch), as_integer(gap.after.sequence),
+                              until_epoch, until_sequence});
 }
 
 // Goes below the limit by kMargin, so that not each append makes space, and so that one append does
@@ -347,6 +371,21 @@ UtcTime Queue::oldest() {
   const auto rows =
       rows_of(*connection_, "select appended_at from records order by id limit 1", {});
   return {rows.empty() ? 0 : integer_at(rows.front(), 0)};
+}
+
+std::vector<Gap> Queue::gaps() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Gap> gaps;
+  connection_->query(
+      "select name, after_epoch, after_sequence, until_epoch, until_sequence from gaps", {},
+      [&gaps](const SqlRow& row) {
+        gaps.push_back({text_at(row, 0),
+                        {number_at(row, 1), number_at(row, 2)},
+                        {number_at(row, 3), number_at(row, 4)},
+                        {}});
+        return true;
+      });
+  return gaps;
 }
 
 Queue::Counters Queue::counters() const {

@@ -20,6 +20,7 @@
 
 #include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
+#include "tools/backfill/gap.hpp"
 #include "tools/forward/batch/record.hpp"
 #include "tools/forward/batch/sample_batch.hpp"
 #include "tools/forward/batch/thinning.hpp"
@@ -43,10 +44,10 @@ class Queue {
   // uses it.
   explicit Queue(const QueueSpec& spec);
 
-  // Appends the records (their `id` is ignored) and keeps the positions, in one transaction, and
-  // makes space if the queue is full. `now` is the time for QueueSpec::keep.
+  // Appends the records (their `id` is ignored) and keeps positions and gaps, in one transaction,
+  // and makes space if the queue is full. `now` is the time for QueueSpec::keep.
   void append(std::span<const Record> records, std::span<const NamedPosition> positions,
-              UtcTime now);
+              UtcTime now, std::span<const GapChange> gaps = {});
   struct Range {  // of ids
     std::uint64_t after = 0, to = 0;
     // Records after this id were not read before, so that no message of them was sent.
@@ -76,6 +77,7 @@ class Queue {
   // Keeps a catalogue for the records that refer to it.
   [[nodiscard]] std::optional<std::string> catalogue(std::uint64_t identity);
   [[nodiscard]] std::vector<NamedPosition> positions();
+  [[nodiscard]] std::vector<Gap> gaps();  // that are not closed
 
   struct Counters {
     std::uint64_t records = 0, bytes = 0;  // that wait
@@ -97,7 +99,8 @@ class Queue {
   void write(Work work);
   // REQUIRES for all below: mutex_ is held.
   void append_all(std::span<const Record> records, std::span<const NamedPosition> positions,
-                  UtcTime now);
+                  UtcTime now, std::span<const GapChange> gaps);
+  void keep(const GapChange& change);
   void remove_all(std::span<const std::uint64_t> ids);
   void store(const Merging::Result& result, const Range& range);
   void make_space(Counters& counters);

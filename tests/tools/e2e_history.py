@@ -1,0 +1,163 @@
+"""Tests that samples which were published while a program did not run are fetched from the store of
+the bridge: fieldcast-forward with a real NATS server, and fieldcast-station.
+
+usage: e2e_history.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
+"""
+
+import collections
+import contextlib
+import os
+import signal
+import sqlite3
+import sys
+import time
+import unittest
+
+import e2e_forward
+import nats
+from e2e_forward import Forwarder, by_channel, deduplicated
+from plant import Plant, wait_until
+
+BIN_DIR = NATS_SERVER = ""
+SECONDS = 60
+DOWN = 5  # seconds
+
+CONFIG = """
+bridge: e2e
+{store}
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 200ms }
+    devices:
+      - name: press
+        address: 1
+        channels:
+          - { name: temperature, at: "holding:100", type: float32 }
+          - { name: order, at: "holding:20", type: string(8) }
+      - name: mill
+        address: 2
+        channels:
+          - { name: level, at: "input-register:3", type: uint16 }
+"""
+STORE = "store: { path: {run}/bridge.db }"
+
+
+def bridge_store(plant):
+    """{(device, channel): {(epoch, sequence): row}} of the bridge's store."""
+    found = collections.defaultdict(dict)
+    with contextlib.closing(sqlite3.connect(f"file:{plant.run}/bridge.db?mode=ro", uri=True)) as connection:
+        epochs = [row[0] for row in connection.execute("select epoch from bus_epochs where bus = 'line' order by epoch")]
+        rows = connection.execute("select c.device, c.channel, published_at, sequence, acquired_at, quality from samples s join channels c "
+                                  "on c.id = s.channel order by published_at, sequence")
+        for device, channel, published_at, sequence, acquired_at, quality in rows:
+            epoch = max((epoch for epoch in epochs if epoch <= published_at), default=0)
+            found[device, channel][epoch, sequence] = (acquired_at, quality)
+    return found
+
+
+class Forward(unittest.TestCase):
+    def setUp(self):
+        self.plant = self.enterContext(Plant(BIN_DIR, CONFIG.replace("{store}", STORE)))
+        e2e_forward.plant, e2e_forward.BIN_DIR = self.plant, BIN_DIR
+        self.server = nats.NatsServer(self.plant.run, "", NATS_SERVER).start()
+        self.addCleanup(self.server.kill)
+        self.forwarder = Forwarder(self.plant.run, f"  servers: [nats://127.0.0.1:{self.server.port}]")
+        self.addCleanup(self.forwarder.stop)
+
+    def stream(self):
+        """{(device, channel): [(epoch, sequence)]} of the stream."""
+        try:
+            with nats.NatsClient(self.server.port, 3) as client:
+                messages = client.stored("FIELDCAST")
+        except (AssertionError, OSError):
+            return {}
+        found = by_channel(deduplicated(messages))
+        return {name: [(int(epoch, 16), sample["sequence"]) for epoch, sample in samples] for name, samples in found.items()}
+
+    def missing(self):
+        """Samples of the store, up to the last one in the stream, that are not in the stream."""
+        found, missing = self.stream(), []
+        for name, rows in bridge_store(self.plant).items():
+            numbers = found.get(name)
+            if not numbers:
+                return ["nothing of " + str(name)]
+            missing += [(name, number) for number in rows if min(numbers) < number < max(numbers) and number not in set(numbers)]
+        return missing
+
+    def compare(self):
+        time.sleep(1)
+        wait_until(lambda: not self.missing(), SECONDS, lambda: str(self.missing()[:20]) + self.forwarder.log())
+        self.assertEqual(self.forwarder.stop(), 0, self.forwarder.log())
+        for name, numbers in self.stream().items():
+            self.assertEqual(len(numbers), len(set(numbers)), f"{name}: each once")
+
+    def start(self):
+        self.forwarder.start()
+        wait_until(lambda: len(self.stream()) == 3, SECONDS, self.forwarder.log)
+
+    def test_samples_of_the_time_without_a_forwarder_arrive_once(self):
+        self.start()
+        for _ in range(2):
+            self.forwarder.kill()
+            time.sleep(DOWN)
+            self.forwarder.start()
+            time.sleep(3)
+        self.compare()
+        self.assertIn("missing samples were fetched", self.forwarder.log())
+
+    def test_a_forwarder_that_is_killed_while_it_fetches_repeats_nothing(self):
+        self.start()
+        self.forwarder.kill()
+        time.sleep(2 * DOWN)
+        self.forwarder.start()
+        for wait in (6, 1, 2):
+            time.sleep(wait)
+            self.forwarder.kill()
+            self.forwarder.start()
+        self.compare()
+
+    def test_a_bridge_that_was_restarted_meanwhile(self):
+        self.start()
+        self.forwarder.kill()
+        time.sleep(1)
+        self.plant.kill_bridge()
+        time.sleep(3)
+        self.forwarder.start()
+        time.sleep(2)
+        self.compare()
+        self.assertEqual(len({epoch for numbers in self.stream().values() for epoch, _ in numbers}), 2)
+
+    def test_a_stopped_process_fetches_what_it_missed(self):
+        self.start()
+        self.forwarder.process.send_signal(signal.SIGSTOP)
+        time.sleep(2 * DOWN)
+        self.forwarder.process.send_signal(signal.SIGCONT)
+        time.sleep(2)
+        self.compare()
+
+
+class WithoutStore(unittest.TestCase):
+    def test_a_bridge_without_a_store_refuses_and_the_forwarder_goes_on(self):
+        plant = self.enterContext(Plant(BIN_DIR, CONFIG.replace("{store}", "")))
+        e2e_forward.plant, e2e_forward.BIN_DIR = plant, BIN_DIR
+        server = nats.NatsServer(plant.run, "", NATS_SERVER).start()
+        self.addCleanup(server.kill)
+        forwarder = Forwarder(plant.run, f"  servers: [nats://127.0.0.1:{server.port}]")
+        self.addCleanup(forwarder.stop)
+        forwarder.start()
+        time.sleep(4)
+        forwarder.kill()
+        forwarder.start()
+        wait_until(lambda: "this bridge has no store" in forwarder.log(), SECONDS, forwarder.log)
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+
+
+if __name__ == "__main__":
+    BIN_DIR = sys.argv[1]
+    NATS_SERVER = nats.PROGRAM or os.path.join(sys.argv[3], "nats-server", "usr", "sbin", "nats-server")
+    if not os.path.exists(NATS_SERVER):
+        print("no nats-server here; tools/install.sh test brings it")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:], verbosity=2)
