@@ -130,9 +130,10 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   membership_.reset();
   buses_.reset();
   history_.reset();
+  audit_.open(nullptr);
+  published_audit_.reset();
   link_.reset();  // 6.
   guard_.reset();
-  audit_.open(nullptr);
   step_ = "the store is written";
   alarms_.close(store_ ? &store_->store : nullptr);
   std::unique_ptr<OpenStore> last;

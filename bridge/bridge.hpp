@@ -24,6 +24,7 @@
 #include "bridge/metrics/metrics_snapshot.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
+#include "bridge/publish/audit_publisher.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/role/membership.hpp"
 #include "bridge/service/service.hpp"
@@ -130,6 +131,7 @@ class Bridge {
   std::unique_ptr<HistoryService> history_;
   std::atomic<HistoryService*> receives_history_ = nullptr;  // history_, while link_ can respond
   std::unique_ptr<OpenStore> store_;                         // only with `store`
+  std::unique_ptr<AuditPublisher> published_audit_;
   std::unique_ptr<BusSet> buses_;
   std::unique_ptr<Membership> membership_;  // only in a standby group
   std::unique_ptr<MetricsServer> metrics_;  // only with `metrics`

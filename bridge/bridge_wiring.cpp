@@ -150,7 +150,9 @@ void Bridge::join() {
     store_ = std::move(opened);
   }
   Store* const store = store_ ? &store_->store : nullptr;
-  audit_.open(store);
+  published_audit_ = std::make_unique<AuditPublisher>(
+      spec_.name, store, [this](const AuditReport& entry) { link_->report(entry); });
+  audit_.open(published_audit_.get());
   buses_ = std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store, audit_, commands_, alarms_,
                                                   figures_, lease_, spec_.standby.has_value()},
                                                  *guard_,

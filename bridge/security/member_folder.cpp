@@ -51,6 +51,7 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/Standby", kBridges, kEverybody},
     {"fieldcast/StandbyNote", kBridges, kBridges},
     {"fieldcast/StandbyRequest", {kPlant}, kBridges},
+    {"fieldcast/Audit", kBridges, kAllStations},
     {"fieldcast/HistoryRequest", kAllStations, kBridges},
     {"fieldcast/HistoryBlock", kBridges, kAllStations},
 };

@@ -83,6 +83,17 @@ struct ProgramRequestReport {
   UtcTime sent_at;
 };
 
+// What was written to a device, and by whom.
+struct AuditReport {
+  std::string bridge;
+  std::uint64_t epoch = 0;   // of the bridge; greater after each restart
+  std::uint64_t number = 0;  // in the epoch, from 1
+  UtcTime at;
+  std::string who, what, target;  // as in AuditEntry (bridge/store/records)
+  std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
+  std::string result;  // one human-readable line
+};
+
 // Data that a bus continues from another bridge. Plain values.
 struct BusInheritance {
   // By channel; sequence 0 if never published. `acquired` uses the clock of the new engine.

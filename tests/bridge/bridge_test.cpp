@@ -28,7 +28,9 @@ TEST_F(BridgeTest, AStationReceivesEveryBus) {
 
 TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   ModbusDevice a(first), b(second);
+  Reports<AuditReport> audit;
   Receiver receiver(spec.dds);
+  receiver.station.subscribe<AuditReport>([&](const AuditReport& entry) { audit.add(entry); });
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(receiver.receives(good_from("two")));
@@ -38,6 +40,10 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   EXPECT_EQ(b.held(1), 4711);
   EXPECT_EQ(b.writes(), 1u);
   EXPECT_EQ(a.writes(), 0u);
+  EXPECT_TRUE(audit.newest([](const AuditReport& entry) {
+    return entry.what == "write 4711" && entry.target == "two/m/r1" && entry.result == "done" &&
+           entry.number == 1 && !entry.who.empty();
+  })) << "a bridge without a store publishes its audit";
 }
 
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {

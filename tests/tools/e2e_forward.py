@@ -334,14 +334,17 @@ class Contents(ForwardCase):
             return [(alarm["device"], alarm["channel"], alarm["limit"], alarm["active"]) for alarm in found]
         self.assertEqual(plant.cli("write", "line/press.1/setpoint=101").code, 0)
         wait_until(lambda: ("press.1", "setpoint", "high", True) in alarms(), 20, lambda: str(alarms()))
+        audit = [json.loads(message.data) for message in self.stored(server, "FIELDCAST_AUDIT")]
+        self.assertEqual((audit[-1]["what"], audit[-1]["target"], audit[-1]["result"]), ("write 101", "line/press.1/setpoint", "done"), audit)
         self.assertEqual(plant.cli("write", "line/press.1/setpoint=1").code, 0)
         wait_until(lambda: alarms()[-1:] == [("press.1", "setpoint", "high", False)], 20, lambda: str(alarms()))
-        before = len(alarms())
+        before, audits = len(alarms()), len(self.stored(server, "FIELDCAST_AUDIT"))
         self.assertEqual(forwarder.stop(), 0)
         forwarder.start()
         count = len(self.stored(server))
         self.wait_for_messages(server, forwarder, count + 4)
         self.assertEqual(len(alarms()), before, "a restarted forwarder does not repeat alarms")
+        self.assertEqual(len(self.stored(server, "FIELDCAST_AUDIT")), audits, "nor the audit")
         self.assertEqual(forwarder.stop(), 0)
 
     def test_after_an_outage_old_samples_are_late(self):

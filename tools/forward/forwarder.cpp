@@ -44,12 +44,23 @@ Record record_of(const std::string& site, const StationAlarmStatus& alarm) {
           .body = encode(site, alarm)};
 }
 
+Record record_of(const std::string& site, const AuditReport& entry) {
+  return {.kind = RecordKind::kAudit,
+          .bus = entry.bridge,
+          .epoch = entry.epoch,
+          .identity = identity_of(entry),
+          .body = encode(site, entry)};
+}
+
+// Names of channels contain no space.
+std::string position_name_of(const AuditReport& entry) { return entry.bridge + " audit"; }
+
 }  // namespace
 
 Forwarder::Forwarder(const ForwardSpec& spec)
     : spec_(spec), queue_(spec.queue), sender_(spec.send, queue_), gatherer_(spec.gather) {
   for (const NamedPosition& position : queue_.positions()) {
-    // The name of an alarm ends with its limit: "bus/device/channel high".
+    // The name of an alarm ends with its limit: "bus/device/channel high"; see position_name_of().
     if (position.name.find(' ') != std::string::npos) {
       alarm_positions_[position.name] = position.position;
     } else {
@@ -121,6 +132,7 @@ void Forwarder::subscribe() {
         gatherer_.on_channel_removed(bus, device, channel);
       });
   station_->subscribe_alarm_status([this](const StationAlarmStatus& alarm) { on_alarm(alarm); });
+  station_->subscribe<AuditReport>([this](const AuditReport& entry) { on_audit(entry); });
   station_->subscribe_samples([this](const StationSample& sample) {
     const Instant now = steady_now();
     const std::lock_guard lock(mutex_);
@@ -141,6 +153,21 @@ void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
   }
   alarm_positions_[name] = position;
   alarms_.push_back(alarm);
+}
+
+void Forwarder::on_audit(const AuditReport& entry) {
+  const Position position{entry.epoch, entry.number};
+  const std::lock_guard lock(mutex_);
+  Position& last = alarm_positions_[position_name_of(entry)];
+  const bool is_known = position.epoch < last.epoch ||
+                        (position.epoch == last.epoch && position.sequence <= last.sequence);
+  if (is_known) return;
+  if (audit_.size() >= kMaxAlarms) {
+    ++lost_alarms_;
+    return;
+  }
+  last = position;
+  audit_.push_back(entry);
 }
 
 void Forwarder::stop() {
@@ -190,10 +217,12 @@ void Forwarder::append(bool all) {
 void Forwarder::collect(bool all) {
   std::vector<Gathered> batches;
   std::vector<StationAlarmStatus> alarms;
+  std::vector<AuditReport> audit;
   {
     const std::lock_guard lock(mutex_);
     batches = gatherer_.take(steady_now(), all);
     alarms = std::exchange(alarms_, {});
+    audit = std::exchange(audit_, {});
   }
   for (Gathered& gathered : batches) {
     for (Gap& gap : gathered.gaps) open(std::move(gap));
@@ -205,6 +234,10 @@ void Forwarder::collect(bool all) {
   for (const StationAlarmStatus& alarm : alarms) {
     records_.push_back(record_of(spec_.site, alarm));
     positions_.push_back({to_text(alarm.alarm), {0, records_.back().identity}});
+  }
+  for (const AuditReport& entry : audit) {
+    records_.push_back(record_of(spec_.site, entry));
+    positions_.push_back({position_name_of(entry), {entry.epoch, entry.number}});
   }
 }
 
@@ -324,7 +357,7 @@ void Forwarder::report() {
   if (now.lost_samples != logged_.lost_samples || lost_alarms != 0) {
     log_warning("gather",
                 fmt::format("the queue cannot be written fast enough: {} samples and {} alarms "
-                            "lost since the last report",
+                            "or audit entries lost since the last report",
                             now.lost_samples - logged_.lost_samples, lost_alarms));
   }
   if (refused_gaps != 0) {

@@ -60,6 +60,7 @@ class Forwarder {
   [[nodiscard]] StationOutcome execute(const CommandRequest& request, Duration lifespan);
   void check_disk() const;
   void on_alarm(const StationAlarmStatus& alarm);
+  void on_audit(const AuditReport& entry);
   void gather(BoundedQueue<int>& commands);
   // Appends what has ended; keeps it for the next call if the queue cannot be written.
   void append(bool all);
@@ -81,8 +82,9 @@ class Forwarder {
   std::uint64_t fetched_samples_ = 0;        // since the last report
   Gatherer gatherer_;
   std::vector<StationAlarmStatus> alarms_;
-  std::map<std::string, Position, std::less<>> alarm_positions_;
-  std::uint64_t lost_alarms_ = 0;  // since the last report
+  std::vector<AuditReport> audit_;
+  std::map<std::string, Position, std::less<>> alarm_positions_;  // and of the audits
+  std::uint64_t lost_alarms_ = 0;                                 // since the last report
 
   // Of the thread `gather`.
   std::vector<Record> records_;  // not appended yet

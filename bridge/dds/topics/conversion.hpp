@@ -77,6 +77,8 @@ void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
 void to_idl(const ProgramRequestReport& report, idl::ProgramRequest& out);
 [[nodiscard]] ProgramRequestReport from_idl(const idl::ProgramRequest& request);
+void to_idl(const AuditReport& report, idl::Audit& out);
+[[nodiscard]] AuditReport from_idl(const idl::Audit& audit);
 
 // ---- plans
 

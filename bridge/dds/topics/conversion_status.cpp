@@ -185,4 +185,32 @@ ProgramRequestReport from_idl(const idl::ProgramRequest& request) {
   return out;
 }
 
+void to_idl(const AuditReport& report, idl::Audit& out) {
+  out.bridge() = cut_text(report.bridge, kMaxNameLength);
+  out.epoch(report.epoch);
+  out.number(report.number);
+  out.at(report.at.nanoseconds);
+  out.who() = cut_text(report.who, 256);
+  out.what() = cut_text(report.what, 128);
+  out.target() = cut_text(report.target, 256);
+  out.bytes_to_device(report.bytes_to_device);
+  out.bytes_from_device(report.bytes_from_device);
+  out.result() = cut_text(report.result, 256);
+}
+
+AuditReport from_idl(const idl::Audit& audit) {
+  AuditReport out;
+  out.bridge = audit.bridge().c_str();
+  out.epoch = audit.epoch();
+  out.number = audit.number();
+  out.at = {audit.at()};
+  out.who = audit.who().c_str();
+  out.what = audit.what().c_str();
+  out.target = audit.target().c_str();
+  out.bytes_to_device = audit.bytes_to_device();
+  out.bytes_from_device = audit.bytes_from_device();
+  out.result = audit.result().c_str();
+  return out;
+}
+
 }  // namespace fieldcast

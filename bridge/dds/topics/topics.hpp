@@ -38,6 +38,7 @@ inline constexpr std::int32_t kMaxBridges = 1024;
 inline constexpr std::int32_t kMaxBuses = 1024;       // of one bridge
 inline constexpr std::int32_t kBlocksKept = 256;      // of a bus, for readers that lost some
 inline constexpr std::int32_t kBlocksTaken = 1024;    // of all buses, not yet taken by a station
+inline constexpr std::int32_t kAuditKept = 256;       // entries of a bridge
 inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL sequence<.., 64>
 
 inline constexpr std::int32_t kHistoryRequestsKept = 16;  // not yet taken by a bridge
@@ -152,6 +153,8 @@ inline constexpr auto kProgramSessionTopic =
     report<idl::ProgramSessionPubSubType>("fieldcast/ProgramSession", kMaxDevices);
 inline constexpr auto kProgramRequestTopic =
     optional(report<idl::ProgramRequestPubSubType>("fieldcast/ProgramRequest", kMaxDevices));
+inline constexpr auto kAuditTopic = optional(Report<idl::AuditPubSubType>{
+    {{"fieldcast/Audit", kStays, last_of(1, kAuditKept), last_of(kMaxBridges, kAuditKept)}}});
 inline constexpr auto kReadPlanTopic =
     report<idl::ReadPlanPubSubType>("fieldcast/ReadPlan", kMaxChannels / 16);
 inline constexpr auto kAlarmTopic = report<idl::AlarmPubSubType>("fieldcast/Alarm", kMaxAlarms);
@@ -213,7 +216,7 @@ inline constexpr std::tuple kTopicTable{
     &kProgramRequestTopic, &kReadPlanTopic,        &kAlarmTopic,          &kAlarmStatusTopic,
     &kAlarmActionTopic,    &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
     &kBridgeTopic,         &kStandbyTopic,         &kStandbyNoteTopic,    &kStandbyRequestTopic,
-    &kHistoryRequestTopic, &kHistoryBlockTopic};
+    &kHistoryRequestTopic, &kHistoryBlockTopic,    &kAuditTopic};
 
 inline constexpr auto kTopics = std::apply(
     [](const auto*... row) { return std::array<const TopicRow*, sizeof...(row)>{row...}; },

@@ -391,6 +391,32 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   EXPECT_EQ(back.report.refused, std::vector<std::string>(64, "holding:107"));
 }
 
+TEST(StatusConversion, AnAuditEntryComesBackCutAtItsBounds) {
+  const AuditReport report{"bridge",
+                           7,
+                           3,
+                           {9},
+                           "plant/anna",
+                           "write 21.5",
+                           "line/press/speed",
+                           8,
+                           10,
+                           std::string(300, 'x')};
+  idl::Audit topic;
+  to_idl(report, topic);
+  const AuditReport back = from_idl(topic);
+  EXPECT_EQ(back.bridge, "bridge");
+  EXPECT_EQ(back.epoch, 7u);
+  EXPECT_EQ(back.number, 3u);
+  EXPECT_EQ(back.at.nanoseconds, 9);
+  EXPECT_EQ(back.who, "plant/anna");
+  EXPECT_EQ(back.what, "write 21.5");
+  EXPECT_EQ(back.target, "line/press/speed");
+  EXPECT_EQ(back.bytes_to_device, 8u);
+  EXPECT_EQ(back.bytes_from_device, 10u);
+  EXPECT_EQ(back.result.size(), 256u);
+}
+
 TEST(StatusConversion, AProgramRequestComesBackCutAtItsBound) {
   idl::ProgramRequest topic;
   to_idl({"b", "d", std::string(200, 'x'), {3}}, topic);

@@ -53,6 +53,19 @@ Record record_of(const SampleBatch& batch) {
           .body = encode(batch)};
 }
 
+AuditReport audit() {
+  return {.bridge = "plant",
+          .epoch = 7,
+          .number = 3,
+          .at = {1'764'360'000'000'000'001},
+          .who = "fieldcast/anna",
+          .what = "write 21.5",
+          .target = "line/press/setpoint",
+          .bytes_to_device = 8,
+          .bytes_from_device = 9,
+          .result = "done"};
+}
+
 StationAlarmStatus alarm() {
   StationAlarmStatus made;
   made.alarm = {"line", "press", "level", LimitKind::kHighHigh};

@@ -19,6 +19,7 @@ namespace fieldcast::forward {
 [[nodiscard]] SampleBatch seconds(std::int64_t from, std::int64_t to);
 [[nodiscard]] Record record_of(const SampleBatch& batch);
 [[nodiscard]] StationAlarmStatus alarm();
+[[nodiscard]] AuditReport audit();
 
 // A folder that is removed at the end.
 class Folder {

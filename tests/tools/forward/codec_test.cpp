@@ -141,5 +141,29 @@ TEST(Compression, ShortensARepetitiveTextAndKeepsAShortOne) {
   EXPECT_EQ(compressed("x"), "x");
 }
 
+TEST(AuditCodec, EveryFieldComesBack) {
+  const auto back = decode_audit(encode("north", audit()));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->bridge, "plant");
+  EXPECT_EQ(back->epoch, 7u);
+  EXPECT_EQ(back->number, 3u);
+  EXPECT_EQ(back->at, audit().at);
+  EXPECT_EQ(back->who, "fieldcast/anna");
+  EXPECT_EQ(back->what, "write 21.5");
+  EXPECT_EQ(back->target, "line/press/setpoint");
+  EXPECT_EQ(back->bytes_to_device, 8u);
+  EXPECT_EQ(back->bytes_from_device, 9u);
+  EXPECT_EQ(back->result, "done");
+  EXPECT_FALSE(decode_audit("x"));
+  EXPECT_FALSE(decode_audit(""));
+}
+
+TEST(AuditCodec, TheIdentityIsThatOfTheNumber) {
+  AuditReport next = audit();
+  EXPECT_EQ(identity_of(next), identity_of(audit()));
+  ++next.number;
+  EXPECT_NE(identity_of(next), identity_of(audit()));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

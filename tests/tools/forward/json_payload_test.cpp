@@ -58,5 +58,21 @@ TEST(JsonPayload, AnAlarmHasItsStateAndItsPauses) {
   EXPECT_TRUE(json["suppressed"].is_null());
 }
 
+TEST(JsonPayload, TheAuditHasAllFields) {
+  const auto json = nlohmann::json::parse(to_json("north", audit()));
+  EXPECT_EQ(json, (nlohmann::json{{"schema", 1},
+                                  {"site", "north"},
+                                  {"bridge", "plant"},
+                                  {"epoch", "7"},
+                                  {"number", 3},
+                                  {"at", 1'764'360'000'000'000'001},
+                                  {"who", "fieldcast/anna"},
+                                  {"what", "write 21.5"},
+                                  {"target", "line/press/setpoint"},
+                                  {"bytes_to_device", 8},
+                                  {"bytes_from_device", 9},
+                                  {"result", "done"}}));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

@@ -51,6 +51,13 @@ struct QueueTest : testing::Test {
             .identity = identity_of(catalogue({"a"})),
             .body = encode("north", catalogue({"a"}))};
   }
+  static Record audit_record() {
+    return {.kind = RecordKind::kAudit,
+            .bus = "plant",
+            .epoch = 7,
+            .identity = identity_of(audit()),
+            .body = encode("north", audit())};
+  }
   static Record alarm_record() {
     return {.kind = RecordKind::kAlarm,
             .bus = "line",
@@ -156,10 +163,11 @@ TEST_F(QueueTest, AThinnedRecordKeepsItsIdentity) {
   EXPECT_EQ(records[0].samples, 1u);
 }
 
-TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedAndAlarmsLast) {
+TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedThenAlarmsAndTheAuditLast) {
   Queue queue = open(50'000);
   append(queue, alarm_record());
   append(queue, catalogue_record());
+  append(queue, audit_record());
   // One sample a minute: nothing can be thinned out.
   for (std::int64_t i = 0; i < 900; ++i) append(queue, record_of(seconds(60 * i, 60 * i + 1)));
   Queue::Counters counters = queue.counters();
@@ -173,8 +181,11 @@ TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedAndAlarmsLast) {
   for (int i = 0; i < 900; ++i) append(queue, alarm_record());
   records = all(queue);
   EXPECT_LE(queue.counters().bytes, 50'000u);
-  for (const Record& record : records) EXPECT_EQ(record.kind, RecordKind::kAlarm);
-  EXPECT_GT(records[0].id, 902u);
+  EXPECT_EQ(records[0].kind, RecordKind::kAudit) << "the audit is dropped last";
+  for (std::size_t i = 1; i < records.size(); ++i) EXPECT_EQ(records[i].kind, RecordKind::kAlarm);
+  EXPECT_GT(records[1].id, 903u);
+  for (int i = 0; i < 900; ++i) append(queue, audit_record());
+  for (const Record& record : all(queue)) EXPECT_EQ(record.kind, RecordKind::kAudit);
 }
 
 TEST_F(QueueTest, OldRecordsAreDroppedIfTheirAgeIsBounded) {

@@ -22,6 +22,20 @@ TEST(Subject, NamesSiteBusAndDevice) {
   EXPECT_EQ(subject_of("north", "bucket", record), "fieldcast-alarm.north.line.press=2E1");
   record.kind = RecordKind::kCatalogue;
   EXPECT_EQ(subject_of("north", "bucket", record), "$KV.bucket.north.line.press=2E1.ab");
+  record.kind = RecordKind::kSamples;
+  record.is_late = true;
+  EXPECT_EQ(subject_of("north", "bucket", record), "fieldcast-late.north.line.press=2E1");
+  EXPECT_EQ(subject_of("north", "bucket", {.kind = RecordKind::kAudit, .bus = "plant"}),
+            "fieldcast-audit.north.plant");
+  EXPECT_EQ(site_subject_of("sites", "north 1"), "$KV.sites.north=201");
+  EXPECT_EQ(command_subject_of("north"), "fieldcast-command.north.*");
+}
+
+TEST(Subject, ATokenHasOneName) {
+  for (const char* name : {"anna", "a.b@c", "ü", "=", ""})
+    EXPECT_EQ(name_of_token(subject_token(name)), name);
+  for (const char* token : {"=4", "=zz", "=61", "a b", "=2e"})
+    EXPECT_EQ(name_of_token(token), "") << token << " is not the token of a name";
 }
 
 TEST(MessageId, IsThatOfTheSamples) {

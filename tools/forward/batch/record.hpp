@@ -10,13 +10,13 @@
 namespace fieldcast::forward {
 
 // The numbers are stored.
-enum class RecordKind : std::uint8_t { kSamples = 0, kCatalogue = 1, kAlarm = 2 };
+enum class RecordKind : std::uint8_t { kSamples = 0, kCatalogue = 1, kAlarm = 2, kAudit = 3 };
 
 struct Record {
   std::uint64_t id = 0;  // ascending in the order of Queue::append()
   RecordKind kind = RecordKind::kSamples;
-  std::string bus, device;
-  std::uint64_t epoch = 0;     // of samples
+  std::string bus, device;     // of the audit: the bridge, and empty
+  std::uint64_t epoch = 0;     // of samples, or of the bridge
   std::uint64_t identity = 0;  // of the whole content; thinning does not change it
   std::uint32_t samples = 0;
   // Samples that were published long before they are sent. Consumers that need only present values

@@ -82,4 +82,8 @@ std::uint64_t identity_of(const StationAlarmStatus& alarm) {
   return hash.value();
 }
 
+std::uint64_t identity_of(const AuditReport& entry) {
+  return Hash().add(std::string_view(entry.bridge)).add(entry.epoch).add(entry.number).value();
+}
+
 }  // namespace fieldcast::forward

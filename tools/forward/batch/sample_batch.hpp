@@ -45,11 +45,12 @@ struct DeviceCatalogue {
 [[nodiscard]] std::uint64_t identity_of(const SampleBatch& batch);
 [[nodiscard]] std::uint64_t identity_of(const DeviceCatalogue& catalogue);
 [[nodiscard]] std::uint64_t identity_of(const StationAlarmStatus& alarm);
+[[nodiscard]] std::uint64_t identity_of(const AuditReport& entry);
 
-// The newest sample of a channel, or the newest state of an alarm, that was accepted.
+// The newest sample of a channel, state of an alarm, or entry of a bridge's audit that was accepted.
 struct Position {
   std::uint64_t epoch = 0;     // 0 for an alarm
-  std::uint64_t sequence = 0;  // of an alarm: its identity
+  std::uint64_t sequence = 0;  // of an alarm: its identity; of the audit: the number
   friend bool operator==(const Position&, const Position&) = default;
 };
 [[nodiscard]] inline SampleNumber number_of(const Position& position) {

@@ -15,11 +15,13 @@ inline constexpr std::uint32_t kSchema = 1;
 [[nodiscard]] std::string encode(const SampleBatch& batch);
 [[nodiscard]] std::string encode(std::string_view site, const DeviceCatalogue& catalogue);
 [[nodiscard]] std::string encode(std::string_view site, const StationAlarmStatus& alarm);
+[[nodiscard]] std::string encode(std::string_view site, const AuditReport& entry);
 
 // Empty for a text that is not such a message, or whose columns do not match. Without bus and
 // device, which the subject names.
 [[nodiscard]] std::optional<SampleBatch> decode_samples(std::string_view text);
 [[nodiscard]] std::optional<DeviceCatalogue> decode_catalogue(std::string_view text);
 [[nodiscard]] std::optional<StationAlarmStatus> decode_alarm(std::string_view text);
+[[nodiscard]] std::optional<AuditReport> decode_audit(std::string_view text);
 
 }  // namespace fieldcast::forward

@@ -97,4 +97,20 @@ std::string to_json(std::string_view site, const StationAlarmStatus& alarm) {
       .text();
 }
 
+std::string to_json(std::string_view site, const AuditReport& entry) {
+  return Json{{"schema", kSchema},
+              {"site", site},
+              {"bridge", entry.bridge},
+              {"epoch", hex_text(entry.epoch)},
+              {"number", entry.number},
+              {"at", entry.at.nanoseconds},
+              {"who", entry.who},
+              {"what", entry.what},
+              {"target", entry.target},
+              {"bytes_to_device", entry.bytes_to_device},
+              {"bytes_from_device", entry.bytes_from_device},
+              {"result", entry.result}}
+      .text();
+}
+
 }  // namespace fieldcast::forward

@@ -13,6 +13,7 @@ namespace fieldcast::forward {
                                   const DeviceCatalogue& catalogue);
 [[nodiscard]] std::string to_json(std::string_view site, const DeviceCatalogue& catalogue);
 [[nodiscard]] std::string to_json(std::string_view site, const StationAlarmStatus& alarm);
+[[nodiscard]] std::string to_json(std::string_view site, const AuditReport& entry);
 
 // "187c0e0f1a2b3c4d": an epoch, or the identity of a catalogue.
 [[nodiscard]] std::string hex_text(std::uint64_t number);

@@ -43,6 +43,9 @@ std::optional<std::string> PayloadMaker::json_of(const Record& record) {
     case RecordKind::kAlarm:
       if (const auto alarm = decode_alarm(record.body)) return to_json(site_, *alarm);
       return std::nullopt;
+    case RecordKind::kAudit:
+      if (const auto entry = decode_audit(record.body)) return to_json(site_, *entry);
+      return std::nullopt;
     case RecordKind::kSamples: break;
   }
   const auto samples = decoder_.samples(record);

@@ -192,7 +192,8 @@ void Queue::make_space(Counters& counters) {
   if (counters.bytes <= spec_.max_bytes) return;
   const std::uint64_t wanted = spec_.max_bytes - spec_.max_bytes / kMargin;
   while (counters.bytes > wanted && thin_oldest(counters)) {}
-  for (const RecordKind kind : {RecordKind::kSamples, RecordKind::kCatalogue, RecordKind::kAlarm}) {
+  for (const RecordKind kind :
+       {RecordKind::kSamples, RecordKind::kCatalogue, RecordKind::kAlarm, RecordKind::kAudit}) {
     while (counters.bytes > wanted && drop_oldest(kind, counters)) {}
   }
 }

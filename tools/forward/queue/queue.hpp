@@ -6,7 +6,8 @@
 //   1. the oldest samples are thinned out to one a minute of each channel;
 //   2. then the oldest records of samples are dropped;
 //   3. then those of catalogues;
-//   4. alarms are dropped last.
+//   4. then alarms;
+//   5. the audit is dropped last.
 // What was removed is counted.
 #pragma once
 

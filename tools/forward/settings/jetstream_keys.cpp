@@ -64,8 +64,8 @@ void check_login(MapReader& map, const JetStreamSpec& spec) {
 void check_names(MapReader& map, const JetStreamSpec& spec) {
   for (const auto& [key, name] :
        {std::pair{"sample-stream", spec.sample_stream},
-        std::pair{"alarm-stream", spec.alarm_stream}, std::pair{"bucket", spec.bucket},
-        std::pair{"site-bucket", spec.site_bucket}}) {
+        std::pair{"alarm-stream", spec.alarm_stream}, std::pair{"audit-stream", spec.audit_stream},
+        std::pair{"bucket", spec.bucket}, std::pair{"site-bucket", spec.site_bucket}}) {
     if (name.find('.') != name.npos)
       map.fault(key, fmt::format("{} '{}' contains '.', which NATS does not allow", key, name),
                 "letters, digits, '-' and '_'");
@@ -137,6 +137,10 @@ const Rows<JetStreamSpec>& jetstream_rows() {
                                 .fallback = "`FIELDCAST_ALARMS`",
                                 .text = "the name, if it is created"},
                                &JetStreamSpec::alarm_stream, config::NameRule{}),
+          field<JetStreamSpec>({.name = "audit-stream",
+                                .fallback = "`FIELDCAST_AUDIT`",
+                                .text = "the name, if it is created"},
+                               &JetStreamSpec::audit_stream, config::NameRule{}),
           field<JetStreamSpec>({.name = "bucket",
                                 .fallback = "`fieldcast-catalogue`",
                                 .text = "the key-value bucket of the catalogues"},

@@ -28,6 +28,7 @@ struct JetStreamSpec {
   bool without_tls = false;  // plain text off the loopback, explicitly configured
   Duration acknowledgement = std::chrono::seconds{5};  // then a message is sent again
   std::string sample_stream = "FIELDCAST", alarm_stream = "FIELDCAST_ALARMS";
+  std::string audit_stream = "FIELDCAST_AUDIT";
   std::string bucket = "fieldcast-catalogue";
   std::string site_bucket = "fieldcast-sites";
   StreamSpec streams;

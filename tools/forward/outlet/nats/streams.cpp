@@ -61,6 +61,9 @@ Done create_streams(jsCtx& context, const JetStreamSpec& spec) {
   if (auto done = create_stream(context, spec.alarm_stream, {"fieldcast-alarm.>"}, spec.streams);
       !done)
     return done;
+  if (auto done = create_stream(context, spec.audit_stream, {"fieldcast-audit.>"}, spec.streams);
+      !done)
+    return done;
   if (auto done = create_bucket(context, spec.bucket, spec); !done) return done;
   return create_bucket(context, spec.site_bucket, spec);
 }

@@ -31,6 +31,9 @@ std::string subject_of(std::string_view site, std::string_view bucket, const Rec
     case RecordKind::kSamples:
       return fmt::format("{}.{}", record.is_late ? kLateSubjects : kSampleSubjects, path);
     case RecordKind::kAlarm: return fmt::format("{}.{}", kAlarmSubjects, path);
+    case RecordKind::kAudit:
+      return fmt::format("{}.{}.{}", kAuditSubjects, subject_token(site),
+                         subject_token(record.bus));
     case RecordKind::kCatalogue: break;
   }
   return fmt::format("$KV.{}.{}.{}", bucket, path, hex_text(record.identity));

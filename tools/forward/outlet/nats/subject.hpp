@@ -11,13 +11,14 @@ namespace fieldcast::forward {
 inline constexpr std::string_view kSampleSubjects = "fieldcast";
 inline constexpr std::string_view kLateSubjects = "fieldcast-late";
 inline constexpr std::string_view kAlarmSubjects = "fieldcast-alarm";
+inline constexpr std::string_view kAuditSubjects = "fieldcast-audit";
 
 // One token of a subject: each byte that is not an ASCII letter, a digit, '-' or '_' becomes "=2E".
 // The result is also allowed in a key of a key-value bucket. "=" for an empty name.
 [[nodiscard]] std::string subject_token(std::string_view name);
 
 // "fieldcast.SITE.BUS.DEVICE", with "fieldcast-late" for late samples and "fieldcast-alarm" for
-// alarms, or for a catalogue "$KV.BUCKET.SITE.BUS.DEVICE.IDENTITY".
+// alarms, "fieldcast-audit.SITE.BRIDGE", or for a catalogue "$KV.BUCKET.SITE.BUS.DEVICE.IDENTITY".
 [[nodiscard]] std::string subject_of(std::string_view site, std::string_view bucket,
                                      const Record& record);
 

@@ -140,4 +140,19 @@ SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm
           status.acknowledged.note};
 }
 
+SqlRow audit_parameters(const std::string& site, const AuditReport& entry) {
+  const auto integer = [](std::uint64_t number) { return static_cast<std::int64_t>(number); };
+  return {site,
+          entry.bridge,
+          integer(entry.epoch),
+          integer(entry.number),
+          entry.at.nanoseconds,
+          entry.who,
+          entry.what,
+          entry.target,
+          integer(entry.bytes_to_device),
+          integer(entry.bytes_from_device),
+          entry.result};
+}
+
 }  // namespace fieldcast::forward

@@ -45,6 +45,8 @@ class SampleRows {
 
 // The parameters of upsert_channels().
 [[nodiscard]] SqlRow channel_parameters(const std::string& site, const DeviceCatalogue& catalogue);
+// The parameters of insert_audit().
+[[nodiscard]] SqlRow audit_parameters(const std::string& site, const AuditReport& entry);
 // The parameters of insert_alarm().
 [[nodiscard]] SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm);
 

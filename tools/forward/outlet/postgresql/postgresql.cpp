@@ -24,7 +24,8 @@ PostgresqlOutlet::Statements::Statements(const std::string& schema)
     : upsert_channels(forward::upsert_channels(schema)),
       select_channels(forward::select_channels(schema)),
       insert_samples(forward::insert_samples(schema)),
-      insert_alarm(forward::insert_alarm(schema)) {}
+      insert_alarm(forward::insert_alarm(schema)),
+      insert_audit(forward::insert_audit(schema)) {}
 
 PostgresqlOutlet::PostgresqlOutlet(const PostgresqlSpec& spec, OutletContext context)
     : spec_(spec),
@@ -99,6 +100,12 @@ bool PostgresqlOutlet::write(const Record& record, SampleRows& samples) {
       if (alarm)
         connection_->execute(statements_.insert_alarm, alarm_parameters(context_.site, *alarm));
       return alarm.has_value();
+    }
+    case RecordKind::kAudit: {
+      const auto entry = decode_audit(record.body);
+      if (entry)
+        connection_->execute(statements_.insert_audit, audit_parameters(context_.site, *entry));
+      return entry.has_value();
     }
     case RecordKind::kCatalogue: {
       const auto catalogue = decode_catalogue(record.body);

@@ -34,7 +34,7 @@ class PostgresqlOutlet final : public Outlet {
 
   struct Statements {
     explicit Statements(const std::string& schema);
-    std::string upsert_channels, select_channels, insert_samples, insert_alarm;
+    std::string upsert_channels, select_channels, insert_samples, insert_alarm, insert_audit;
   };
 
   // Both throw StoreError; the database is then as before.

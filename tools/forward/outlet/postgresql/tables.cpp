@@ -42,6 +42,11 @@ create table if not exists {s}.alarms (
   stage text not null, active boolean not null, value double precision not null, raised_at timestamptz,
   cleared_at timestamptz, acknowledged_by text not null, acknowledged_note text not null,
   primary key (site, bus, device, channel, limit_kind, identity));
+create table if not exists {s}.audit (
+  site integer not null references {s}.sites, bridge text not null, epoch bigint not null, number bigint not null,
+  at timestamptz not null, who text not null, what text not null, target text not null,
+  bytes_to_device bigint not null, bytes_from_device bigint not null, result text not null,
+  primary key (site, bridge, epoch, number));
 create or replace view {s}.sample_history as
 select t.site, c.bus, c.device, c.channel, c.unit, c.type, s.acquired_at, s.epoch, s.sequence, s.quality::text as quality,
   s.device_code, s.value, s.text
@@ -89,6 +94,14 @@ select site.id, $2::bigint, $3::text, $4::text, $5::text, $6::text, $7::text, $8
   timestamptz 'epoch' + (nullif($12::bigint, 0) / 1000) * interval '1 microsecond', $13::text, $14::text from site
 on conflict do nothing)";
 
+constexpr std::string_view kInsertAudit = R"(
+with site as (
+  insert into {s}.sites (site) values ($1) on conflict (site) do update set site = excluded.site returning id)
+insert into {s}.audit
+select site.id, $2::text, $3::bigint, $4::bigint, timestamptz 'epoch' + ($5::bigint / 1000) * interval '1 microsecond',
+  $6::text, $7::text, $8::text, $9::bigint, $10::bigint, $11::text from site
+on conflict do nothing)";
+
 std::string with_schema(std::string_view text, const std::string& schema) {
   constexpr std::string_view kMark = "{s}";
   std::string filled;
@@ -112,5 +125,6 @@ std::string insert_samples(const std::string& schema) {
   return with_schema(kInsertSamples, schema);
 }
 std::string insert_alarm(const std::string& schema) { return with_schema(kInsertAlarm, schema); }
+std::string insert_audit(const std::string& schema) { return with_schema(kInsertAudit, schema); }
 
 }  // namespace fieldcast::forward

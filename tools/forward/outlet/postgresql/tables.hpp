@@ -23,5 +23,7 @@ namespace fieldcast::forward {
 // site, identity, bus, device, channel, limit, priority, stage, active, value, raised_at and
 // cleared_at in ns, acknowledged_by, acknowledged_note.
 [[nodiscard]] std::string insert_alarm(const std::string& schema);
+// site, bridge, epoch, number, at in ns, who, what, target, bytes to and from the device, result.
+[[nodiscard]] std::string insert_audit(const std::string& schema);
 
 }  // namespace fieldcast::forward
