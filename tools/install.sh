@@ -34,7 +34,7 @@ libraries=(
   "$(named dds)" libfastcdr-dev
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev
-  libnats-dev libprotobuf-dev libzstd-dev
+  libnats-dev librdkafka-dev libprotobuf-dev libzstd-dev
   libncurses-dev
 )
 headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
@@ -56,6 +56,8 @@ test=(
   postgresql
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
+  # a consumer of Kafka
+  kcat
   # a browser, for the station's page, and a terminal, for the screens
   chromium python3-pyte
 )

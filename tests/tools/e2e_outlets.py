@@ -71,7 +71,7 @@ class OutletCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
         self.engine = Engine(self.folder, free_port())
-        self.addCleanup(self.engine.stop)
+        self.addCleanup(getattr(self.engine, "close", self.engine.stop))
 
     def forwarder(self, login="right"):
         text = (f"site: {outlets.SITE}\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\ngather: {{ time: 200ms }}\n"
@@ -230,7 +230,8 @@ class Faults(OutletCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR, outlets.UNPACKED = sys.argv[1], sys.argv[3]
+    BIN_DIR = outlets.BIN_DIR = sys.argv[1]
+    outlets.UNPACKED = sys.argv[3]
     Engine = importlib.import_module("outlets." + sys.argv[4]).Engine
     if reason_of_skip := Engine.reason_to_skip():
         print(reason_of_skip)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/forward/settings/jetstream_keys.hpp"
+#include "tools/forward/settings/kafka_keys.hpp"
 #include "tools/forward/settings/postgresql_keys.hpp"
 
 namespace fieldcast::forward {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
+    {"kafka", read_kafka, document_kafka},
     {"postgresql", read_postgresql, document_postgresql},
 };
 
