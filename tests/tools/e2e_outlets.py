@@ -8,6 +8,7 @@ ENGINE is a file of tests/tools/outlets. Exit code 77: its server is not on this
 
 import collections
 import importlib
+import math
 import re
 import sys
 import tempfile
@@ -194,7 +195,8 @@ class Delivery(OutletCase):
             if sequence in samples:
                 value, quality = samples[sequence]
                 self.assertEqual(quality, expected["quality"])
-                self.assertEqual(float(value), float(expected["value"]))
+                tolerance = getattr(Engine, "precision", 0)
+                self.assertTrue(math.isclose(value, expected["value"], rel_tol=tolerance), f"{value} instead of {expected}")
             elif first <= sequence <= last:
                 self.assertIsNotNone(down, f"{expected} is missing")
                 self.assertTrue(down[0] < expected["acquired_at"] / 1e9 < down[1], f"{expected} is missing; not received within {down}")

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "tools/forward/outlet/influxdb/influxdb.hpp"
 #include "tools/forward/outlet/kafka/kafka.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
 #include "tools/forward/outlet/postgresql/postgresql.hpp"
@@ -16,6 +17,9 @@ struct Maker {
 
   std::unique_ptr<Outlet> operator()(const JetStreamSpec& spec) {
     return std::make_unique<JetStreamOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const InfluxdbSpec& spec) {
+    return make_influxdb(spec, std::move(context));
   }
   std::unique_ptr<Outlet> operator()(const KafkaSpec& spec) {
     return std::make_unique<KafkaOutlet>(spec, std::move(context));

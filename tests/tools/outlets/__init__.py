@@ -5,6 +5,7 @@ its section of the configuration of fieldcast-forward.
     has_unique_samples: bool  the engine removes repeated samples by itself
     has_login: bool           if it is not there, True
     keeps_order: bool         samples() returns the samples in the order of their arrival; if it is not there, True
+    precision: float          relative, of the values it stores; if it is not there, 0
     acknowledgement: int      seconds, if the outlet waits longer than 2 s for the server
     reason_to_skip()          static; None, or why the test cannot run on this machine
     __init__(folder, port)    writes its files to the folder; does not start
