@@ -17,7 +17,7 @@ class Forwarder:
     """`text` is its whole configuration."""
 
     def __init__(self, bin_dir, folder, text):
-        self.bin_dir, self.folder, self.process = bin_dir, folder, None
+        self.bin_dir, self.folder, self.process, self.environment = bin_dir, folder, None, None
         self.file = os.path.join(folder, "forward.yaml")
         with open(self.file, "w", encoding="utf-8") as file:
             file.write(text)
@@ -25,7 +25,7 @@ class Forwarder:
     def start(self):
         with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
             self.process = subprocess.Popen([os.path.join(self.bin_dir, "fieldcast-forward"), "--config", self.file],
-                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=self.environment)
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
