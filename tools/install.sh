@@ -34,7 +34,7 @@ libraries=(
   "$(named dds)" libfastcdr-dev
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev
-  libnats-dev libprotobuf-dev libzstd-dev
+  libnats-dev librdkafka-dev libcurl4-openssl-dev libprotobuf-dev libzstd-dev
   libncurses-dev
 )
 headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
@@ -56,6 +56,8 @@ test=(
   postgresql
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
+  # a consumer of Kafka
+  kcat
   # a browser, for the station's page, and a terminal, for the screens
   chromium python3-pyte
 )
@@ -109,6 +111,8 @@ while read -r sets package program path; do
 done <<'TABLE'
 test|campaign|ci nats-server nats-server ./usr/sbin/nats-server
 ci prometheus promtool ./usr/bin/promtool
+ci influxdb influxd ./usr/bin/influxd
+ci victoria-metrics victoria-metrics ./usr/bin/victoria-metrics
 ci udev udevadm .
 TABLE
 # Checks the command instead of the package, because Debian's npm conflicts with a node from another source.

@@ -8,6 +8,7 @@ ENGINE is a file of tests/tools/outlets. Exit code 77: its server is not on this
 
 import collections
 import importlib
+import math
 import re
 import sys
 import tempfile
@@ -71,7 +72,7 @@ class OutletCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
         self.engine = Engine(self.folder, free_port())
-        self.addCleanup(self.engine.stop)
+        self.addCleanup(getattr(self.engine, "close", self.engine.stop))
 
     def forwarder(self, login="right"):
         text = (f"site: {outlets.SITE}\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\ngather: {{ time: 200ms }}\n"
@@ -194,7 +195,8 @@ class Delivery(OutletCase):
             if sequence in samples:
                 value, quality = samples[sequence]
                 self.assertEqual(quality, expected["quality"])
-                self.assertEqual(float(value), float(expected["value"]))
+                tolerance = getattr(Engine, "precision", 0)
+                self.assertTrue(math.isclose(value, expected["value"], rel_tol=tolerance), f"{value} instead of {expected}")
             elif first <= sequence <= last:
                 self.assertIsNotNone(down, f"{expected} is missing")
                 self.assertTrue(down[0] < expected["acquired_at"] / 1e9 < down[1], f"{expected} is missing; not received within {down}")
@@ -230,7 +232,8 @@ class Faults(OutletCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR, outlets.UNPACKED = sys.argv[1], sys.argv[3]
+    BIN_DIR = outlets.BIN_DIR = sys.argv[1]
+    outlets.UNPACKED = sys.argv[3]
     Engine = importlib.import_module("outlets." + sys.argv[4]).Engine
     if reason_of_skip := Engine.reason_to_skip():
         print(reason_of_skip)

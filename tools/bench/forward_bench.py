@@ -55,11 +55,13 @@ def run_seconds_of_all(pid):
 class EngineServer:
     """The server of another engine than JetStream, as NatsServer."""
 
-    def __init__(self, name, folder):
+    def __init__(self, name, folder, bin_dir):
+        outlets.BIN_DIR = bin_dir
         outlets.UNPACKED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "unpacked")
         self.port = free_port()
         self.engine = importlib.import_module("outlets." + name).Engine(folder, self.port)
-        self.kill = self.engine.stop
+        self.port = getattr(self.engine, "port", self.port)
+        self.kill, self.close = self.engine.stop, getattr(self.engine, "close", self.engine.stop)
 
     def start(self):
         self.engine.start()
@@ -218,7 +220,7 @@ def main():
     options = parser.parse_args()
     domain, claim = claim_domain()
     with claim, tempfile.TemporaryDirectory(prefix="fieldcast-forward-bench-") as folder:
-        server = (NatsServer(folder) if options.engine == "jetstream" else EngineServer(options.engine, folder)).start()
+        server = (NatsServer(folder) if options.engine == "jetstream" else EngineServer(options.engine, folder, options.bin_dir)).start()
         line = DelayedLine(server.port, options.round_trip / 1000, options.rate * 1000) if options.round_trip or options.rate else None
         bridge = subprocess.Popen([os.path.join(options.bin_dir, "bench_bridge"), str(domain), str(options.buses), str(options.channels), "real"],
                                   stdout=subprocess.DEVNULL)
@@ -230,7 +232,7 @@ def main():
             for process in (forwarder.process, bridge):
                 process.send_signal(signal.SIGTERM)
                 process.wait(20)
-            server.kill()
+            getattr(server, "close", server.kill)()
             if line:
                 line.close()
 

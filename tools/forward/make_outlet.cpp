@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "tools/forward/outlet/influxdb/influxdb.hpp"
+#include "tools/forward/outlet/kafka/kafka.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
 #include "tools/forward/outlet/postgresql/postgresql.hpp"
 
@@ -15,6 +17,12 @@ struct Maker {
 
   std::unique_ptr<Outlet> operator()(const JetStreamSpec& spec) {
     return std::make_unique<JetStreamOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const InfluxdbSpec& spec) {
+    return make_influxdb(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const KafkaSpec& spec) {
+    return std::make_unique<KafkaOutlet>(spec, std::move(context));
   }
   std::unique_ptr<Outlet> operator()(const PostgresqlSpec& spec) {
     return std::make_unique<PostgresqlOutlet>(spec, std::move(context));

@@ -169,6 +169,83 @@ TEST(ForwardConfiguration, APostgresqlServerOffThisMachineNeedsAnAuthority) {
   EXPECT_THAT(postgresql_faults("certificate: c"), ElementsAre(HasSubstr("without 'key'")));
 }
 
+KafkaSpec kafka_of(const std::string& text) {
+  const auto loaded = load("site: n\nqueue: { path: q }\nkafka: { " + text + " }\n");
+  return loaded ? std::get<KafkaSpec>(loaded->outlet) : KafkaSpec{.servers = {"fault"}};
+}
+std::vector<std::string> kafka_faults(const std::string& text) {
+  return faults("site: n\nqueue: { path: q }\nkafka: { " + text + " }\n");
+}
+
+TEST(ForwardConfiguration, EveryKeyOfKafkaIsRead) {
+  EXPECT_EQ(kafka_of("without-tls: false"), KafkaSpec{});
+  EXPECT_EQ(kafka_of("servers: [tls://a.example:9092], authority: a, certificate: c, key: k, user: "
+                     "north, password-file: p, mechanism: plain, without-tls: true, "
+                     "acknowledgement: 9s, topics: { samples: s, late-samples: l, alarms: al, "
+                     "catalogues: ca }"),
+            (KafkaSpec{{"tls://a.example:9092"},
+                       "a",
+                       "c",
+                       "k",
+                       "north",
+                       "p",
+                       KafkaMechanism::kPlain,
+                       true,
+                       std::chrono::seconds{9},
+                       {"s", "l", "al", "ca"}}));
+}
+
+TEST(ForwardConfiguration, ServersOfKafkaAreAllWithTlsOrNone) {
+  EXPECT_THAT(kafka_faults("servers: [kafka://10.0.0.7:9092]"),
+              ElementsAre(HasSubstr("without TLS")));
+  EXPECT_THAT(kafka_faults("servers: [nats://127.0.0.1:9092]"),
+              ElementsAre(HasSubstr("does not begin with kafka:// or tls://")));
+  EXPECT_THAT(kafka_faults("servers: [kafka://127.0.0.1:9092, tls://a.example:9092]"),
+              ElementsAre(HasSubstr("with and without TLS")));
+  EXPECT_THAT(kafka_faults("authority: a"), ElementsAre(HasSubstr("without a server tls")));
+  EXPECT_THAT(kafka_faults("user: a"), ElementsAre(HasSubstr("without 'password-file'")));
+  EXPECT_THAT(kafka_faults("mechanism: md5"), ElementsAre(HasSubstr("scram-sha-512")));
+}
+
+InfluxdbSpec influxdb_of(const std::string& text) {
+  const auto loaded = load("site: n\nqueue: { path: q }\ninfluxdb: { " + text + " }\n");
+  return loaded ? std::get<InfluxdbSpec>(loaded->outlet) : InfluxdbSpec{.database = "fault"};
+}
+std::vector<std::string> influxdb_faults(const std::string& text) {
+  return faults("site: n\nqueue: { path: q }\ninfluxdb: { " + text + " }\n");
+}
+
+TEST(ForwardConfiguration, EveryKeyOfInfluxdbIsRead) {
+  EXPECT_EQ(influxdb_of("create: false"), InfluxdbSpec{});
+  const InfluxdbSpec spec = influxdb_of(
+      "server: \"https://a.example:8086/path/\", authority: a, certificate: c, key: k, token-file: "
+      "t, without-tls: true, acknowledgement: 9s, database: d, organization: o, bucket: b, create: "
+      "true");
+  EXPECT_EQ(spec.http, (HttpSpec{"https://a.example:8086/path", "a", "c", "k", "", "", "t", true,
+                                 std::chrono::seconds{9}}));
+  EXPECT_EQ(spec.database, "d");
+  EXPECT_EQ(spec.organization, "o");
+  EXPECT_EQ(spec.bucket, "b");
+  EXPECT_TRUE(spec.create);
+  EXPECT_EQ(influxdb_of("user: u, password-file: p").http.user, "u");
+}
+
+TEST(ForwardConfiguration, AnHttpServerOffThisMachineNeedsTls) {
+  EXPECT_THAT(influxdb_faults("server: \"http://10.0.0.7:8086\""),
+              ElementsAre(HasSubstr("without TLS")));
+  EXPECT_TRUE(influxdb_faults("server: \"http://10.0.0.7:8086\", without-tls: true").empty());
+  EXPECT_TRUE(influxdb_faults("server: \"https://a.example:8086\"").empty());
+  EXPECT_THAT(influxdb_faults("server: \"ftp://a.example:8086\""),
+              ElementsAre(HasSubstr("does not begin with http:// or https://")));
+  EXPECT_THAT(
+      influxdb_faults("server: \"http://ann:horse@a.example:8086\""),
+      ElementsAre(testing::AllOf(HasSubstr("password-file"), testing::Not(HasSubstr("horse")))));
+  EXPECT_THAT(influxdb_faults("authority: a"), ElementsAre(HasSubstr("without a server https")));
+  EXPECT_THAT(influxdb_faults("user: u, password-file: p, token-file: t"),
+              ElementsAre(HasSubstr("more than one login")));
+  EXPECT_THAT(influxdb_faults("bucket: b"), ElementsAre(HasSubstr("without 'organization'")));
+}
+
 TEST(ForwardConfiguration, OneEngineIsAllowed) {
   EXPECT_THAT(faults("site: n\nqueue: { path: q }\njetstream: {}\npostgresql: {}\n"),
               ElementsAre(HasSubstr("'postgresql' beside 'jetstream'")));

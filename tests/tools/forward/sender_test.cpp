@@ -6,7 +6,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "tests/tools/forward/batch_support.hpp"
-#include "tools/forward/outlet/nats/subject.hpp"
+#include "tools/forward/outlet/message_id.hpp"
 
 namespace fieldcast::forward {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/forward/batch_support.hpp"
+#include "tools/forward/outlet/message_id.hpp"
 
 namespace fieldcast::forward {
 namespace {

@@ -5,10 +5,12 @@ its section of the configuration of fieldcast-forward.
     has_unique_samples: bool  the engine removes repeated samples by itself
     has_login: bool           if it is not there, True
     keeps_order: bool         samples() returns the samples in the order of their arrival; if it is not there, True
+    precision: float          relative, of the values it stores; if it is not there, 0
     acknowledgement: int      seconds, if the outlet waits longer than 2 s for the server
     reason_to_skip()          static; None, or why the test cannot run on this machine
     __init__(folder, port)    writes its files to the folder; does not start
     start(), stop()           stop() kills the server; what it has acknowledged is kept
+    close()                   ends everything, if it is not stop()
     pause(), resume()         the server neither reads nor responds
     section(login)            the section as YAML; login "right" or "wrong"
     correct_login()           makes a wrong login right, while the forwarder runs
@@ -27,6 +29,7 @@ from plant import Failure
 
 SITE = "north"
 RIGHT_PASSWORD, WRONG_PASSWORD = "correct-horse", "wrong-battery"
+BIN_DIR = ""  # our programs; set by the test
 UNPACKED = ""  # the directory of tools/install.sh ci; set by the test
 
 

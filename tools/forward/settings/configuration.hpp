@@ -13,6 +13,8 @@
 #include "core/model/spec.hpp"
 #include "tools/forward/batch/gatherer.hpp"
 #include "tools/forward/command/command_service.hpp"
+#include "tools/forward/outlet/influxdb/influxdb_spec.hpp"
+#include "tools/forward/outlet/kafka/kafka_spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
@@ -22,7 +24,7 @@
 namespace fieldcast::forward {
 
 // The engine, by the section of the configuration.
-using OutletSpec = std::variant<JetStreamSpec, PostgresqlSpec>;
+using OutletSpec = std::variant<JetStreamSpec, InfluxdbSpec, KafkaSpec, PostgresqlSpec>;
 
 struct ForwardSpec {
   std::string site;

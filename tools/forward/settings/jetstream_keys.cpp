@@ -5,7 +5,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "tools/forward/settings/login_keys.hpp"
-#include "tools/forward/settings/server_address.hpp"
+#include "tools/forward/settings/servers_key.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -15,37 +15,9 @@ using config::MapReader;
 using config::Node;
 using config::Rows;
 
-constexpr std::size_t kMostServers = 16;
 constexpr Duration kLeastWait = std::chrono::milliseconds{100};
 constexpr Duration kMostWait = std::chrono::minutes{5};
 constexpr Duration kMostDuplicates = std::chrono::hours{24 * 7};
-constexpr std::string_view kServerForm = "nats://HOST:PORT or tls://HOST:PORT";
-
-void read_servers(MapReader& map, JetStreamSpec& spec) {
-  const Node* node = map.find("servers");
-  if (node == nullptr) return;
-  if (!config::is_list(*node, "servers", 1, kMostServers,
-                       fmt::format("a list of 1 to {}, each {}", kMostServers, kServerForm),
-                       map.faults(), config::as_list(*node)))
-    return;
-  spec.servers.clear();
-  for (const Node* item : node->items) {
-    const std::string* text = config::scalar_of(*item, "server", kServerForm, map.faults());
-    if (text == nullptr) continue;
-    const auto address = server_address_from(*text);
-    if (!address) {
-      map.faults().add(item->position, address.error(), kServerForm);
-      continue;
-    }
-    if (!address->tls && !address->on_loopback && !spec.without_tls) {
-      map.faults().add(item->position,
-                       fmt::format("server '{}' is off this machine and without TLS", *text),
-                       "tls://HOST:PORT, or without-tls: true if the network is trusted",
-                       "tls" + text->substr(text->find("://")));
-    }
-    spec.servers.push_back(*text);
-  }
-}
 
 void check_login(MapReader& map, const JetStreamSpec& spec) {
   check_pair(map, "certificate", spec.certificate, "key", spec.key, "both, as PEM files");
@@ -160,7 +132,7 @@ OutletSpec read_jetstream(MapReader& file, const Node& section, config::Library&
   JetStreamSpec spec;
   MapReader map(section, jetstream_rows(), file.faults());
   jetstream_rows().read(map, spec);
-  read_servers(map, spec);
+  read_servers(map, "nats", spec.without_tls, spec.servers);
   read_files(map, library,
              {{"authority", &spec.authority},
               {"certificate", &spec.certificate},

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "tools/forward/settings/influxdb_keys.hpp"
 #include "tools/forward/settings/jetstream_keys.hpp"
+#include "tools/forward/settings/kafka_keys.hpp"
 #include "tools/forward/settings/postgresql_keys.hpp"
 
 namespace fieldcast::forward {
@@ -11,6 +13,8 @@ namespace {
 
 constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
+    {"influxdb", read_influxdb, document_influxdb},
+    {"kafka", read_kafka, document_kafka},
     {"postgresql", read_postgresql, document_postgresql},
 };
 

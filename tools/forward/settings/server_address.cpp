@@ -5,20 +5,21 @@
 
 namespace fieldcast::forward {
 
-tl::expected<ServerAddress, std::string> server_address_from(std::string_view text) {
-  constexpr std::string_view kTls = "tls://", kPlain = "nats://";
+tl::expected<ServerAddress, std::string> server_address_from(std::string_view text,
+                                                             std::string_view scheme) {
+  constexpr std::string_view kTls = "tls://";
+  const std::string plain = std::string(scheme) + "://";
   ServerAddress address;
   address.tls = text.starts_with(kTls);
   if (text.find('@') != text.npos)
     return tl::make_unexpected(
         "a server with a login in its address; the login belongs to user and password-file, "
         "token-file or credentials");
-  if (!address.tls && !text.starts_with(kPlain))
-    return tl::make_unexpected("server '" + std::string(text) +
-                               "' does not begin with nats:// or "
-                               "tls://");
+  if (!address.tls && !text.starts_with(plain))
+    return tl::make_unexpected("server '" + std::string(text) + "' does not begin with " + plain +
+                               " or tls://");
   const auto host_port =
-      config::host_port_from(std::string(text.substr(address.tls ? kTls.size() : kPlain.size())));
+      config::host_port_from(std::string(text.substr(address.tls ? kTls.size() : plain.size())));
   if (!host_port)
     return tl::make_unexpected("server '" + std::string(text) + "' names no host and port");
   address.on_loopback = is_loopback(host_port->first);

@@ -1,4 +1,4 @@
-// The address of a NATS server as text. Pure.
+// The address of a server as text. Pure.
 #pragma once
 
 #include <string>
@@ -12,9 +12,10 @@ struct ServerAddress {
   bool on_loopback = false;
 };
 
-// "nats://127.0.0.1:4222", "tls://nats.example:4222". Fails with what is wrong; the message does
+// "nats://127.0.0.1:4222", "tls://nats.example:4222"; `scheme` is that of plain text. Fails with what is wrong; the message does
 // not repeat a login.
-[[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(std::string_view text);
+[[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(
+    std::string_view text, std::string_view scheme = "nats");
 
 // "localhost", "127.0.0.1", "::1".
 [[nodiscard]] bool is_loopback(const std::string& host);

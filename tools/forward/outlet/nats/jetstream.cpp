@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bridge/log/log.hpp"
+#include "tools/forward/outlet/message_id.hpp"
 #include "tools/forward/outlet/nats/nats_options.hpp"
 #include "tools/forward/outlet/nats/streams.hpp"
 #include "tools/forward/outlet/nats/subject.hpp"

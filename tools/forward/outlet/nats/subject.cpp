@@ -64,9 +64,4 @@ std::string name_of_token(std::string_view token) {
   return subject_token(name) == token ? name : std::string();
 }
 
-std::string message_id_of(std::string_view site, const Record& record) {
-  return fmt::format("{}/{}/{}/{}", site, record.bus, hex_text(record.epoch),
-                     hex_text(record.identity));
-}
-
 }  // namespace fieldcast::forward

@@ -1,4 +1,4 @@
-// Names of NATS: subjects of the messages, and message ids. Pure.
+// Names of NATS: subjects of the messages. Pure.
 #pragma once
 
 #include <string>
@@ -30,8 +30,5 @@ inline constexpr std::string_view kCommandSubjects = "fieldcast-command";
 [[nodiscard]] std::string command_subject_of(std::string_view site);
 // The name of which subject_token() made the token. Empty for any other text.
 [[nodiscard]] std::string name_of_token(std::string_view token);
-
-// "SITE/BUS/EPOCH/IDENTITY": equal for each repetition of the record, on any machine.
-[[nodiscard]] std::string message_id_of(std::string_view site, const Record& record);
 
 }  // namespace fieldcast::forward

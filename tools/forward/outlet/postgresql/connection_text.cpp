@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bridge/process/secret.hpp"
+#include "tools/forward/outlet/percent_encoded.hpp"
 
 namespace fieldcast::forward {
 
@@ -26,21 +27,6 @@ std::string tls_text(const PostgresqlSpec& spec) {
 }
 
 }  // namespace
-
-std::string percent_encoded(std::string_view text) {
-  std::string encoded;
-  for (const char c : text) {
-    const bool is_unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                               (c >= '0' && c <= '9') ||
-                               std::string_view("-._~").find(c) != std::string_view::npos;
-    if (is_unreserved) {
-      encoded += c;
-    } else {
-      encoded += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-    }
-  }
-  return encoded;
-}
 
 tl::expected<std::string, std::string> connection_text(const PostgresqlSpec& spec) {
   std::string login = percent_encoded(spec.user);

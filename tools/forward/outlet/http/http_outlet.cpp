@@ -1,0 +1,135 @@
+#include "tools/forward/outlet/http/http_outlet.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "bridge/log/log.hpp"
+#include "tools/forward/outlet/undecodable.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+bool is_success(long status) { return status >= 200 && status < 300; }
+
+// Responses to a body that a repetition does not change.
+bool is_refusal(long status) {
+  constexpr long kBadRequest = 400, kTooLarge = 413, kUnprocessable = 422;
+  return status == kBadRequest || status == kTooLarge || status == kUnprocessable;
+}
+
+std::string described(const HttpResponse& response) {
+  constexpr long kUnauthorized = 401, kForbidden = 403;
+  const bool is_login = response.status == kUnauthorized || response.status == kForbidden;
+  return fmt::format("{}status {}{}{}", is_login ? "login refused: " : "", response.status,
+                     response.text.empty() ? "" : ": ", response.text);
+}
+
+}  // namespace
+
+HttpOutlet::HttpOutlet(const HttpSpec& spec, HttpEngine engine, std::function<void()> wake)
+    : spec_(spec),
+      engine_(std::move(engine)),
+      wake_(std::move(wake)),
+      client_(spec, engine_.token_scheme) {}
+
+bool HttpOutlet::is_ready(Instant now) {
+  now_ = now;
+  if (now < next_attempt_) return false;
+  if (!is_open_) is_open_ = open();
+  if (!is_open_) next_attempt_ = now + kPause;
+  return is_open_;
+}
+
+bool HttpOutlet::open() {
+  bool is_usable = false;
+  if (auto opened = client_.open(); !opened) {
+    reason_ = opened.error();
+  } else if (engine_.create_path.empty()) {
+    // An empty body tests the connection and the login. Some servers refuse it as empty.
+    is_usable = write({}) != Written::kFailed;
+  } else if (const auto created = client_.post(engine_.create_path, {}, {}); !created) {
+    reason_ = created.error();
+  } else if (!is_success(created->status)) {
+    reason_ = described(*created);
+  } else {
+    is_usable = write({}) != Written::kFailed;
+  }
+  if (is_usable) {
+    log_info(engine_.subject, "connected to " + spec_.server);
+  } else {
+    log_counted(LogLevel::kWarning, engine_.subject, "failed connections",
+                fmt::format("cannot use {}: {}; the forwarder tries again", spec_.server, reason_));
+  }
+  return is_usable;
+}
+
+HttpOutlet::Written HttpOutlet::write(const std::string& body) {
+  const auto response = client_.post(engine_.path, engine_.headers, engine_.compress(body));
+  if (!response) {
+    reason_ = response.error();
+    return Written::kFailed;
+  }
+  if (is_success(response->status)) return Written::kYes;
+  reason_ = described(*response);
+  return is_refusal(response->status) ? Written::kRefused : Written::kFailed;
+}
+
+std::optional<std::size_t> HttpOutlet::send(const Record& record) {
+  if (pending_bytes_ >= kMostBytes) return std::nullopt;  // after the next flush()
+  auto body = engine_.encode(record);
+  if (!body || body->empty()) {
+    if (!body) log_undecodable(record);
+    results_.push_back({record.id, body ? Outcome::kAcknowledged : Outcome::kRefused});
+    return 0;
+  }
+  const std::size_t size = body->size();
+  pending_bytes_ += size;
+  pending_.push_back({record.id, record.bus + '/' + record.device, *std::move(body)});
+  return size;
+}
+
+void HttpOutlet::flush() {
+  if (!results_.empty()) wake_();
+  if (pending_.empty()) return;
+  std::string body;
+  body.reserve(pending_bytes_);
+  for (const Pending& one : pending_) body += one.body;
+  switch (write(body)) {
+    case Written::kYes:
+      for (const Pending& one : pending_) results_.push_back({one.record, Outcome::kAcknowledged});
+      break;
+    case Written::kRefused: write_each(); break;
+    case Written::kFailed: fail(pending_); break;
+  }
+  pending_.clear();
+  pending_bytes_ = 0;
+  wake_();
+}
+
+void HttpOutlet::write_each() {
+  for (std::size_t i = 0; i < pending_.size(); ++i) {
+    const Pending& one = pending_[i];
+    const Written written = write(one.body);
+    if (written == Written::kFailed) return fail(std::span(pending_).subspan(i));
+    if (written == Written::kRefused)
+      log_counted(LogLevel::kError, engine_.subject, "messages that the server refuses",
+                  fmt::format("{}: a message of {} bytes is removed: {}", one.name, one.body.size(),
+                              reason_));
+    results_.push_back(
+        {one.record, written == Written::kYes ? Outcome::kAcknowledged : Outcome::kRefused});
+  }
+}
+
+void HttpOutlet::fail(std::span<const Pending> records) {
+  log_counted(LogLevel::kWarning, engine_.subject, "messages without an acknowledgement",
+              fmt::format("{}: {}; they are sent again", spec_.server, reason_));
+  for (const Pending& one : records) results_.push_back({one.record, Outcome::kFailed});
+  is_open_ = false;
+  next_attempt_ = now_ + kPause;
+}
+
+std::vector<OutletResult> HttpOutlet::take_results() { return std::exchange(results_, {}); }
+
+}  // namespace fieldcast::forward
