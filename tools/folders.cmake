@@ -13,7 +13,7 @@ endif()
 set(FIELDCAST_LIBRARIES
   "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=${FIELDCAST_FAST_DDS}" "fmt=fmt::fmt" "forward-schema=fieldcast_forward_schema" "idl=fieldcast_idl" "libcurl=PkgConfig::CURL" "libpq=PkgConfig::PQ" "librdkafka=PkgConfig::RDKAFKA" "libsodium=PkgConfig::SODIUM"
   "libzip=PkgConfig::libzip" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
-  "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB" "zstd=PkgConfig::ZSTD")
+  "snappy=PkgConfig::SNAPPY" "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB" "zstd=PkgConfig::ZSTD")
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenSSL REQUIRED)
@@ -37,6 +37,7 @@ pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(NATS REQUIRED IMPORTED_TARGET libnats)
 pkg_check_modules(PQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(RDKAFKA REQUIRED IMPORTED_TARGET rdkafka)
+pkg_check_modules(SNAPPY REQUIRED IMPORTED_TARGET snappy)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 set(CURSES_NEED_NCURSES TRUE)

@@ -34,7 +34,7 @@ libraries=(
   "$(named dds)" libfastcdr-dev
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev
-  libnats-dev librdkafka-dev libcurl4-openssl-dev libprotobuf-dev libzstd-dev
+  libnats-dev librdkafka-dev libcurl4-openssl-dev libsnappy-dev libprotobuf-dev libzstd-dev
   libncurses-dev
 )
 headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
@@ -110,7 +110,7 @@ while read -r sets package program path; do
   PATH=$PATH:/usr/sbin command -v "$program" >/dev/null || [ -d "build/unpacked/$package" ] || unpacked+=("$package $path")
 done <<'TABLE'
 test|campaign|ci nats-server nats-server ./usr/sbin/nats-server
-ci prometheus promtool ./usr/bin/promtool
+ci prometheus promtool ./usr/bin
 ci influxdb influxd ./usr/bin/influxd
 ci victoria-metrics victoria-metrics ./usr/bin/victoria-metrics
 ci udev udevadm .

@@ -102,8 +102,8 @@ ExitCode serve(fieldcast::Signals& signals, const ForwardSpec& spec) {
 
 ExitCode run(int argc, char** argv) {
   fieldcast::CommandLine line("fieldcast-forward",
-                              "Forwards the samples and alarms of a DDS domain to NATS JetStream, "
-                              "by a durable queue.");
+                              "Forwards the samples and alarms of a DDS domain to a message engine "
+                              "or a database, by a durable queue.");
   line.set_footer(
       "Signals: SIGHUP and SIGUSR1 log the state of the queue, SIGTERM and SIGINT stop in order; "
       "the queue stays.\n"

@@ -6,6 +6,7 @@
 #include "tools/forward/outlet/kafka/kafka.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
 #include "tools/forward/outlet/postgresql/postgresql.hpp"
+#include "tools/forward/outlet/prometheus/prometheus.hpp"
 
 namespace fieldcast::forward {
 
@@ -26,6 +27,9 @@ struct Maker {
   }
   std::unique_ptr<Outlet> operator()(const PostgresqlSpec& spec) {
     return std::make_unique<PostgresqlOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const PrometheusSpec& spec) {
+    return make_prometheus(spec, std::move(context));
   }
 };
 

@@ -246,6 +246,15 @@ TEST(ForwardConfiguration, AnHttpServerOffThisMachineNeedsTls) {
   EXPECT_THAT(influxdb_faults("bucket: b"), ElementsAre(HasSubstr("without 'organization'")));
 }
 
+TEST(ForwardConfiguration, PrometheusHasTheKeysOfHttp) {
+  const auto loaded = load(
+      "site: n\nqueue: { path: q }\nprometheus: { server: \"https://a:1/w\", token-file: t }\n");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  const auto& http = std::get<PrometheusSpec>(loaded->outlet).http;
+  EXPECT_EQ(http.server, "https://a:1/w");
+  EXPECT_EQ(http.token_file, "t");
+}
+
 TEST(ForwardConfiguration, OneEngineIsAllowed) {
   EXPECT_THAT(faults("site: n\nqueue: { path: q }\njetstream: {}\npostgresql: {}\n"),
               ElementsAre(HasSubstr("'postgresql' beside 'jetstream'")));

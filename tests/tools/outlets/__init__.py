@@ -36,7 +36,7 @@ UNPACKED = ""  # the directory of tools/install.sh ci; set by the test
 def program(name, package, path):
     """The path of a program: installed, or unpacked by tools/install.sh. None if it is missing."""
     installed = shutil.which(name, path=os.environ.get("PATH", "") + ":/usr/sbin")
-    unpacked = os.path.join(UNPACKED, package, path)
+    unpacked = os.path.abspath(os.path.join(UNPACKED, package, path))
     return installed or (unpacked if os.path.exists(unpacked) else None)
 
 

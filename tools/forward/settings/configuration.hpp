@@ -17,6 +17,7 @@
 #include "tools/forward/outlet/kafka/kafka_spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
+#include "tools/forward/outlet/prometheus/prometheus_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
 #include "tools/forward/send/sender.hpp"
@@ -24,7 +25,8 @@
 namespace fieldcast::forward {
 
 // The engine, by the section of the configuration.
-using OutletSpec = std::variant<JetStreamSpec, InfluxdbSpec, KafkaSpec, PostgresqlSpec>;
+using OutletSpec =
+    std::variant<JetStreamSpec, InfluxdbSpec, KafkaSpec, PostgresqlSpec, PrometheusSpec>;
 
 struct ForwardSpec {
   std::string site;

@@ -71,6 +71,7 @@ const Rows<ForwardSpec>& forward_rows() {
           {{.name = "influxdb", .text = "the engine: InfluxDB or VictoriaMetrics", .schema = "{}"}},
           {{.name = "kafka", .text = "the engine: Kafka", .schema = "{}"}},
           {{.name = "postgresql", .text = "the engine: PostgreSQL or TimescaleDB", .schema = "{}"}},
+          {{.name = "prometheus", .text = "the engine: Prometheus", .schema = "{}"}},
       });
   return rows;
 }

@@ -6,6 +6,7 @@
 #include "tools/forward/settings/jetstream_keys.hpp"
 #include "tools/forward/settings/kafka_keys.hpp"
 #include "tools/forward/settings/postgresql_keys.hpp"
+#include "tools/forward/settings/prometheus_keys.hpp"
 
 namespace fieldcast::forward {
 
@@ -16,6 +17,7 @@ constexpr OutletSection kSections[] = {
     {"influxdb", read_influxdb, document_influxdb},
     {"kafka", read_kafka, document_kafka},
     {"postgresql", read_postgresql, document_postgresql},
+    {"prometheus", read_prometheus, document_prometheus},
 };
 
 }  // namespace

@@ -42,20 +42,19 @@ bool HttpOutlet::is_ready(Instant now) {
   return is_open_;
 }
 
+bool HttpOutlet::create() {
+  if (engine_.create_path.empty()) return true;
+  const auto created = client_.post(engine_.create_path, {}, {});
+  if (created && is_success(created->status)) return true;
+  reason_ = created ? described(*created) : created.error();
+  return false;
+}
+
 bool HttpOutlet::open() {
-  bool is_usable = false;
-  if (auto opened = client_.open(); !opened) {
-    reason_ = opened.error();
-  } else if (engine_.create_path.empty()) {
-    // An empty body tests the connection and the login. Some servers refuse it as empty.
-    is_usable = write({}) != Written::kFailed;
-  } else if (const auto created = client_.post(engine_.create_path, {}, {}); !created) {
-    reason_ = created.error();
-  } else if (!is_success(created->status)) {
-    reason_ = described(*created);
-  } else {
-    is_usable = write({}) != Written::kFailed;
-  }
+  const auto opened = client_.open();
+  if (!opened) reason_ = opened.error();
+  // An empty body tests the connection and the login. Some servers refuse it as empty.
+  const bool is_usable = opened && create() && write({}) != Written::kFailed;
   if (is_usable) {
     log_info(engine_.subject, "connected to " + spec_.server);
   } else {

@@ -49,6 +49,8 @@ class HttpOutlet final : public Outlet {
 
   // Returns false, and logs why, if the server cannot be used.
   [[nodiscard]] bool open();
+  // Sends the request of `create_path`. Sets `reason_` if it returns false.
+  [[nodiscard]] bool create();
   // Sets `reason_` unless it returns kYes.
   [[nodiscard]] Written write(const std::string& body);
   void write_each();
