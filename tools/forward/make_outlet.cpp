@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "tools/forward/outlet/mqtt/mqtt_outlet.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
+#include "tools/forward/outlet/sparkplug/sparkplug_outlet.hpp"
 
 namespace fieldcast::forward {
 
@@ -14,6 +16,12 @@ struct Maker {
 
   std::unique_ptr<Outlet> operator()(const JetStreamSpec& spec) {
     return std::make_unique<JetStreamOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const MqttSpec& spec) {
+    return std::make_unique<MqttOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const SparkplugSpec& spec) {
+    return std::make_unique<SparkplugOutlet>(spec, std::move(context));
   }
 };
 

@@ -68,6 +68,10 @@ const Rows<ForwardSpec>& forward_rows() {
           {{.name = "payload", .text = "the form of the messages", .schema = "{}"}},
           {{.name = "send", .text = "in which order and how fast", .schema = "{}"}},
           {{.name = "jetstream", .text = "the engine: servers of NATS JetStream", .schema = "{}"}},
+          {{.name = "mqtt", .text = "the engine: servers of MQTT, with JSON", .schema = "{}"}},
+          {{.name = "sparkplug",
+            .text = "the engine: servers of MQTT, as an edge node of Sparkplug B",
+            .schema = "{}"}},
       });
   return rows;
 }

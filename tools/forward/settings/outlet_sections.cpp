@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/forward/settings/jetstream_keys.hpp"
+#include "tools/forward/settings/mqtt_keys.hpp"
 
 namespace fieldcast::forward {
 
@@ -10,6 +11,8 @@ namespace {
 
 constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
+    {"mqtt", read_mqtt, document_mqtt},
+    {"sparkplug", read_sparkplug, document_sparkplug},
 };
 
 }  // namespace

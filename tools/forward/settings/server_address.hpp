@@ -1,19 +1,29 @@
-// The address of a NATS server as text. Pure.
+// The address of a server as text. Pure.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 
 namespace fieldcast::forward {
 
+struct AddressSchemes {
+  std::string_view plain, tls;
+};
+inline constexpr AddressSchemes kNatsSchemes{"nats://", "tls://"};
+inline constexpr AddressSchemes kMqttSchemes{"mqtt://", "mqtts://"};
+
 struct ServerAddress {
+  std::string host;
+  std::uint16_t port = 0;
   bool tls = false;
   bool on_loopback = false;
 };
 
 // "nats://127.0.0.1:4222", "tls://nats.example:4222". Fails with what is wrong; the message does
 // not repeat a login.
-[[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(std::string_view text);
+[[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(
+    std::string_view text, const AddressSchemes& schemes = kNatsSchemes);
 
 }  // namespace fieldcast::forward
