@@ -4,6 +4,7 @@
 
 #include "tools/forward/outlet/mqtt/mqtt_outlet.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
+#include "tools/forward/outlet/postgresql/postgresql.hpp"
 #include "tools/forward/outlet/sparkplug/sparkplug_outlet.hpp"
 
 namespace fieldcast::forward {
@@ -22,6 +23,9 @@ struct Maker {
   }
   std::unique_ptr<Outlet> operator()(const SparkplugSpec& spec) {
     return std::make_unique<SparkplugOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const PostgresqlSpec& spec) {
+    return std::make_unique<PostgresqlOutlet>(spec, std::move(context));
   }
 };
 

@@ -15,6 +15,7 @@
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/outlet/mqtt/mqtt_spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
 #include "tools/forward/outlet/sparkplug/sparkplug_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
@@ -23,7 +24,7 @@
 namespace fieldcast::forward {
 
 // The engine, by the section of the configuration.
-using OutletSpec = std::variant<JetStreamSpec, MqttSpec, SparkplugSpec>;
+using OutletSpec = std::variant<JetStreamSpec, MqttSpec, PostgresqlSpec, SparkplugSpec>;
 
 struct ForwardSpec {
   std::string site;

@@ -72,6 +72,7 @@ const Rows<ForwardSpec>& forward_rows() {
           {{.name = "sparkplug",
             .text = "the engine: servers of MQTT, as an edge node of Sparkplug B",
             .schema = "{}"}},
+          {{.name = "postgresql", .text = "the engine: PostgreSQL or TimescaleDB", .schema = "{}"}},
       });
   return rows;
 }

@@ -4,6 +4,7 @@
 
 #include "tools/forward/settings/jetstream_keys.hpp"
 #include "tools/forward/settings/mqtt_keys.hpp"
+#include "tools/forward/settings/postgresql_keys.hpp"
 
 namespace fieldcast::forward {
 
@@ -13,6 +14,7 @@ constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
     {"mqtt", read_mqtt, document_mqtt},
     {"sparkplug", read_sparkplug, document_sparkplug},
+    {"postgresql", read_postgresql, document_postgresql},
 };
 
 }  // namespace

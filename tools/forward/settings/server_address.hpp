@@ -26,4 +26,7 @@ struct ServerAddress {
 [[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(
     std::string_view text, const AddressSchemes& schemes = kNatsSchemes);
 
+// "localhost", "127.0.0.1", "::1".
+[[nodiscard]] bool is_loopback(const std::string& host);
+
 }  // namespace fieldcast::forward
