@@ -72,6 +72,7 @@ class OutletCase(unittest.TestCase):
         self.folder = folder.name
         self.engine = Engine(self.folder, free_port())
         self.addCleanup(self.engine.stop)
+        self.addCleanup(getattr(self.engine, "close", lambda: None))
 
     def forwarder(self, login="right"):
         text = (f"site: {outlets.SITE}\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\ngather: {{ time: 200ms }}\n"
@@ -105,7 +106,7 @@ class OutletCase(unittest.TestCase):
 class Delivery(OutletCase):
     def setUp(self):
         super().setUp()
-        self.reference = Reference(plant, self.folder)
+        self.reference = Reference(plant, self.folder, getattr(Engine, "key_of", lambda sample: sample["sequence"]))
         self.addCleanup(self.reference.stop)
 
     def test_cut(self):
