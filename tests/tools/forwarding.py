@@ -50,7 +50,7 @@ class Reference:
     """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
 
     def __init__(self, plant, folder, key_of=lambda sample: sample["sequence"]):
-        """`key_of(sample)` identifies a sample of a channel, in the order of time."""
+        """`key_of(sample)` identifies a sample of a channel, in the order of time; None: it is left out."""
         self.key_of = key_of
         self.path = os.path.join(folder, "watch.jsonl")
         with open(self.path, "w", encoding="utf-8") as file:
@@ -70,6 +70,6 @@ class Reference:
             for line in file.read().splitlines():
                 with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
                     sample = json.loads(line)
-                    if "sequence" in sample:
-                        found[sample["device"], sample["channel"]][self.key_of(sample)] = sample
+                    if "sequence" in sample and (key := self.key_of(sample)) is not None:
+                        found[sample["device"], sample["channel"]][key] = sample
         return found

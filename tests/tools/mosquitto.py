@@ -74,7 +74,7 @@ class Broker:
         if not os.path.exists(self.log_file):
             return ""
         with open(self.log_file, encoding="utf-8", errors="replace") as file:
-            return "--- mosquitto:\n" + "".join(file.readlines()[-20:])
+            return "--- mosquitto:\n" + "".join(file.readlines()[-100:])
 
     def publish(self, topic, payload=b"", *options):
         subprocess.run([PROGRAMS["mosquitto_pub"], "-p", str(self.port), "-h", "127.0.0.1", "-t", topic, "-s", *options], input=payload, check=True,

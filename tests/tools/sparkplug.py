@@ -120,6 +120,7 @@ class Host:
     def _nbirth(self, _, payload):
         metrics = {metric.name: metric for metric in payload.metrics}
         self.bd_seq, self.seq, self.online, self.births = metrics["bdSeq"].value, payload.seq, True, {}
+        self.names = {}  # a restarted node may assign other aliases
         if payload.seq != 0 or metrics["Node Control/Rebirth"].value is not False or metrics["Node Control/Rebirth"].alias is not None:
             self.faults.append("a wrong NBIRTH")
 

@@ -1,11 +1,11 @@
 """Sparkplug B over mosquitto. A payload contains neither epoch nor sequence: a sample is identified by its channel, the millisecond of
 its acquisition, and whether it is good, because a value that becomes uncertain keeps its time. The contract test takes this number as the
-sequence (key_of)."""
+sequence (key_of). Bad values are null and without the kind of the fault: they are not compared."""
 
 import outlets.mqtt
 import sparkplug
 
-QUALITIES = {192: "GOOD", 500: "UNCERTAIN", 0: "BAD"}
+QUALITIES = {192: "GOOD", 500: "UNCERTAIN"}
 
 
 class Engine(outlets.mqtt.Engine):
@@ -20,6 +20,8 @@ class Engine(outlets.mqtt.Engine):
 
     @staticmethod
     def key_of(sample):
+        if sample["quality"] not in QUALITIES.values():
+            return None
         return sample["acquired_at"] // 1_000_000 * 2 + (sample["quality"] != "GOOD")
 
     def samples(self):
@@ -30,7 +32,7 @@ class Engine(outlets.mqtt.Engine):
             self.host.on_message(message.topic, message.payload)
         self.seen = len(messages)
         return [(sample.device.replace(":", "/") + "/" + sample.name, "", sample.timestamp * 2 + (sample.quality != 192), sample.value, QUALITIES[sample.quality])
-                for sample in self.host.samples if not sample.name.startswith("Alarms/")]
+                for sample in self.host.samples if sample.quality in QUALITIES and not sample.name.startswith("Alarms/")]
 
     def refuse_one(self):
         """DBIRTH of the device with more channels is larger than this limit of the server."""

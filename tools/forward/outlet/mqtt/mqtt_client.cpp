@@ -14,7 +14,7 @@ namespace fieldcast::forward {
 namespace {
 
 constexpr Duration kOpening = std::chrono::seconds{5};  // until CONNACK
-constexpr Duration kClosing = std::chrono::seconds{1};
+constexpr Duration kLeaving = std::chrono::seconds{1};
 constexpr int kKeepAlive = 10;  // seconds
 constexpr int kTurnMs = 200;    // longest wait of the library's loop
 constexpr int kAllInFlight = 65'535;
@@ -204,7 +204,7 @@ void MqttClient::close(bool publish_will) {
                                 ? MQTT_RC_DISCONNECT_WITH_WILL_MSG
                                 : MQTT_RC_NORMAL_DISCONNECTION,
                             nullptr);
-    for (const Instant limit = steady_now() + kClosing;
+    for (const Instant limit = steady_now() + kLeaving;
          state_ == MqttState::kOpen && steady_now() < limit;)
       std::this_thread::sleep_for(std::chrono::milliseconds{5});
   }

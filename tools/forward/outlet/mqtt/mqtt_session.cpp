@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <thread>
 #include <utility>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 
 namespace fieldcast::forward {
@@ -11,6 +13,7 @@ namespace fieldcast::forward {
 namespace {
 
 constexpr Duration kPause = std::chrono::seconds{1};  // after a failed attempt or a loss
+constexpr Duration kClosing = std::chrono::seconds{1};
 
 // Reason codes of MQTT 5 (2.4).
 constexpr int kFirstFault = 0x80, kTopicInvalid = 0x90, kTooLarge = 0x95, kFormatInvalid = 0x99;
@@ -152,13 +155,27 @@ void MqttSession::restart(const std::optional<MqttMessage>& last, bool publish_w
   reconnect(reason, now);
 }
 
+// The server closes a connection without reading its DISCONNECT if it cannot send a PUBACK, and then
+// publishes the will.
+void MqttSession::wait_for_acknowledgements() {
+  const Instant limit = steady_now() + kClosing;
+  while (client_ && client_->state() == MqttState::kOpen && deliveries_.messages() != 0 &&
+         steady_now() < limit) {
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    handle_events(steady_now());
+  }
+}
+
 void MqttSession::close(const std::optional<MqttMessage>& last, bool publish_will) {
+  constexpr std::uint64_t kNoRecord = 0;
   if (client_ && client_->state() == MqttState::kOpen) {
-    if (last && !client_->publish(*last)) log_warning(section_, "the last message was not sent");
-    client_->close(publish_will);
+    if (last) (void)publish(*last, kNoRecord, steady_now());
+    wait_for_acknowledgements();
+    if (client_) client_->close(publish_will);
   }
   client_.reset();
   deliveries_.fail_all(results_);
+  std::erase_if(results_, [](const OutletResult& result) { return result.record == kNoRecord; });
 }
 
 std::vector<OutletResult> MqttSession::take_results() { return std::exchange(results_, {}); }

@@ -54,7 +54,8 @@ class MqttSession {
   // As close(), and then as reconnect().
   void restart(const std::optional<MqttMessage>& last, bool publish_will, const std::string& reason,
                Instant now);
-  // Ends the connection in order after `last`, if it is open.
+  // Ends the connection in order after `last` and pending acknowledgements, if it is open. Blocks at
+  // most two seconds.
   void close(const std::optional<MqttMessage>& last, bool publish_will);
 
   [[nodiscard]] std::vector<OutletResult> take_results();
@@ -65,6 +66,7 @@ class MqttSession {
 
   void open();
   void on_acknowledged(const MqttEvent& event, Instant now);
+  void wait_for_acknowledgements();
   void drop(Instant now);
 
   const MqttServers spec_;
