@@ -231,6 +231,7 @@ def main():
                 process.send_signal(signal.SIGTERM)
                 process.wait(20)
             server.kill()
+            getattr(getattr(server, "engine", None), "close", lambda: None)()
             if line:
                 line.close()
 

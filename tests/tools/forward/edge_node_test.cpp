@@ -242,6 +242,18 @@ TEST_F(EdgeNodeTest, AnAlarmIsAMetricOfItsDevice) {
   EXPECT_TRUE(payload_of(node.births(kEdgeNow)[1]).metrics(2).boolean_value());
 }
 
+TEST_F(EdgeNodeTest, AnAlarmBeforeTheCatalogueIsInTheBirth) {
+  present.channels[1].limits.high_high = 80.0;
+  (void)node.births(kEdgeNow);
+  const Record record{.id = 1,
+                      .kind = RecordKind::kAlarm,
+                      .bus = "line",
+                      .device = "press",
+                      .body = encode("north", alarm())};
+  EXPECT_TRUE(node.messages(record, kEdgeNow).value().empty());
+  EXPECT_TRUE(payload_of(send(one(1, 1.0))[0]).metrics(2).boolean_value());
+}
+
 TEST_F(EdgeNodeTest, NamesInTopicsAreEscaped) {
   spec.group = "a/b";
   spec.edge_node = "n+1";

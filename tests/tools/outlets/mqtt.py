@@ -30,6 +30,7 @@ class Engine:
     def __init__(self, folder, port):
         self.folder, self.port = folder, port
         self.broker = mosquitto.Broker(folder, free_port(), users={"north": outlets.RIGHT_PASSWORD, "reader": "reader"})
+        self.server = self.broker  # for tools/bench/forward_bench.py
         self.consumer = self.gate = None
 
     def start(self):

@@ -30,7 +30,7 @@ class MqttSession {
   // Numbers the connections that were open; 0: none yet.
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
-  // False while so many messages wait that their 16-bit ids could repeat.
+  // False while too many messages wait for an acknowledgement.
   [[nodiscard]] bool has_space() const { return deliveries_.messages() < kMostMessages; }
 
   // Every record: begin(), its messages, end(). Then it has a result when all its messages with
@@ -61,8 +61,8 @@ class MqttSession {
   [[nodiscard]] std::vector<OutletResult> take_results();
 
  private:
-  // Below the 65 535 ids by more than the messages of one record.
-  static constexpr std::size_t kMostMessages = 20'000;
+  // One record may exceed it. The library visits all pending messages for each acknowledgement.
+  static constexpr std::size_t kMostMessages = 1'000;
 
   void open();
   void on_acknowledged(const MqttEvent& event, Instant now);

@@ -158,6 +158,13 @@ void EdgeNode::set_catalogue(Device& device, const DeviceCatalogue& catalogue,
     device.index[entry.channel] = device.channels.size();
     device.channels.push_back(std::move(channel));
   }
+  for (const auto& [name, status] : std::exchange(device.early_alarms, {})) {
+    const auto found = device.index.find(name.first);
+    if (found == device.index.end()) continue;
+    Alarm& alarm = device.channels[found->second].alarms[name.second];
+    alarm.is_active = status.active;
+    alarm.at = status.since();
+  }
   device.catalogue = identity;
   device.record = record;
   device.is_born = false;
@@ -261,6 +268,10 @@ std::optional<EdgeNode::Messages> EdgeNode::alarm(const Record& record, UtcTime 
   Device& device = device_of(record);
   const auto found = device.index.find(decoded->alarm.channel);
   const auto limit = static_cast<std::size_t>(decoded->alarm.limit);
+  if (device.channels.empty() && device.early_alarms.size() < kMostEarly) {
+    device.early_alarms[{decoded->alarm.channel, limit}] = decoded->status;
+    return Messages{};
+  }
   if (found == device.index.end() || device.channels[found->second].alarms[limit].alias == 0) {
     log_unknown(record, "an alarm");
     return Messages{};

@@ -65,7 +65,10 @@ class EdgeNode {
     std::vector<Channel> channels;
     std::unordered_map<std::string, std::size_t> index;  // by the channel's name
     bool is_born = false, is_dead = false;
+    // States that arrived before the catalogue, by channel and limit; at most kMostEarly.
+    std::map<std::pair<std::string, std::size_t>, AlarmStatus> early_alarms;
   };
+  static constexpr std::size_t kMostEarly = 10'000;
   using Messages = std::vector<MqttMessage>;
 
   [[nodiscard]] std::string node_topic(std::string_view type) const;
