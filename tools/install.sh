@@ -7,7 +7,7 @@
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
 # tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
 # tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with sudo. Packages that would start a server are
-# not installed for tests, except PostgreSQL: test and ci unpack the programs they need from them to build/unpacked/PACKAGE.
+# not installed for tests, except PostgreSQL and mosquitto: test and ci unpack the programs they need from them to build/unpacked/PACKAGE.
 # cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
 # libraries of ARCH replace those of this machine.
 set -euo pipefail
@@ -34,7 +34,7 @@ libraries=(
   "$(named dds)" libfastcdr-dev
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev
-  libnats-dev librdkafka-dev libcurl4-openssl-dev libsnappy-dev libprotobuf-dev libzstd-dev
+  libmosquitto-dev libnats-dev librdkafka-dev libcurl4-openssl-dev libsnappy-dev libprotobuf-dev libzstd-dev
   libncurses-dev
 )
 headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
@@ -53,7 +53,7 @@ test=(
   # reads captures as Wireshark does
   tshark
   # the tests start their own servers
-  postgresql
+  postgresql mosquitto mosquitto-clients
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
   # a consumer of Kafka

@@ -18,7 +18,7 @@ MARKS = (FACE, USES, LIBRARIES)
 # The libraries of others by the beginnings of their headers. Headers alone (tl::expected), libc and the C++ library are not named.
 HEADERS = {
     "boost/": "Boost", "CLI/": "CLI11", "fastcdr/": "Fast-DDS", "fastdds/": "Fast-DDS", "fastrtps/": "Fast-DDS", "fmt/": "fmt", "idl/topics": "idl",
-    "curl/": "libcurl", "libpq-fe.h": "libpq", "librdkafka/": "librdkafka", "nats/": "nats.c", "schema/": "forward-schema", "snappy.h": "snappy", "sodium.h": "libsodium", "zip.h": "libzip", "curses.h": "ncurses", "term.h": "ncurses", "nlohmann/": "nlohmann-json",
+    "curl/": "libcurl", "libpq-fe.h": "libpq", "librdkafka/": "librdkafka", "mosquitto.h": "libmosquitto", "mqtt_protocol.h": "libmosquitto", "nats/": "nats.c", "schema/": "forward-schema", "snappy.h": "snappy", "sodium.h": "libsodium", "zip.h": "libzip", "curses.h": "ncurses", "term.h": "ncurses", "nlohmann/": "nlohmann-json",
     "openssl/": "OpenSSL", "spdlog/": "spdlog", "sqlite3.h": "SQLite", "tinyxml2.h": "tinyxml2", "toml++/": "toml++", "yaml-cpp/": "yaml-cpp",
     "zlib.h": "zlib", "zstd.h": "zstd",
 }

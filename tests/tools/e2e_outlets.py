@@ -106,7 +106,7 @@ class OutletCase(unittest.TestCase):
 class Delivery(OutletCase):
     def setUp(self):
         super().setUp()
-        self.reference = Reference(plant, self.folder)
+        self.reference = Reference(plant, self.folder, getattr(Engine, "key_of", lambda sample: sample["sequence"]))
         self.addCleanup(self.reference.stop)
 
     def test_cut(self):

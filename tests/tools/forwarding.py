@@ -49,7 +49,9 @@ class Forwarder:
 class Reference:
     """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
 
-    def __init__(self, plant, folder):
+    def __init__(self, plant, folder, key_of=lambda sample: sample["sequence"]):
+        """`key_of(sample)` identifies a sample of a channel, in the order of time; None: it is left out."""
+        self.key_of = key_of
         self.path = os.path.join(folder, "watch.jsonl")
         with open(self.path, "w", encoding="utf-8") as file:
             self.process = subprocess.Popen([os.path.join(plant.bin_dir, "fieldcast"), "watch", "--json", "--config", plant.file],
@@ -62,12 +64,12 @@ class Reference:
         self.process.wait(15)
 
     def samples(self):
-        """{(device, channel): {sequence: sample}}"""
+        """{(device, channel): {key: sample}}"""
         found = collections.defaultdict(dict)
         with open(self.path, encoding="utf-8") as file:
             for line in file.read().splitlines():
                 with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
                     sample = json.loads(line)
-                    if "sequence" in sample:
-                        found[sample["device"], sample["channel"]][sample["sequence"]] = sample
+                    if "sequence" in sample and (key := self.key_of(sample)) is not None:
+                        found[sample["device"], sample["channel"]][key] = sample
         return found

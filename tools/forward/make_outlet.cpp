@@ -4,9 +4,11 @@
 
 #include "tools/forward/outlet/influxdb/influxdb.hpp"
 #include "tools/forward/outlet/kafka/kafka.hpp"
+#include "tools/forward/outlet/mqtt/mqtt_outlet.hpp"
 #include "tools/forward/outlet/nats/jetstream.hpp"
 #include "tools/forward/outlet/postgresql/postgresql.hpp"
 #include "tools/forward/outlet/prometheus/prometheus.hpp"
+#include "tools/forward/outlet/sparkplug/sparkplug_outlet.hpp"
 
 namespace fieldcast::forward {
 
@@ -24,6 +26,12 @@ struct Maker {
   }
   std::unique_ptr<Outlet> operator()(const KafkaSpec& spec) {
     return std::make_unique<KafkaOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const MqttSpec& spec) {
+    return std::make_unique<MqttOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const SparkplugSpec& spec) {
+    return std::make_unique<SparkplugOutlet>(spec, std::move(context));
   }
   std::unique_ptr<Outlet> operator()(const PostgresqlSpec& spec) {
     return std::make_unique<PostgresqlOutlet>(spec, std::move(context));

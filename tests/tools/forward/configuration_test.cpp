@@ -140,6 +140,78 @@ TEST(ForwardConfiguration, NamesThatNatsDoesNotAllowAreRefused) {
   EXPECT_THAT(jetstream_faults("bucket: a.b"), ElementsAre(HasSubstr("bucket 'a.b'")));
 }
 
+std::vector<std::string> outlet_faults(const std::string& section) {
+  return faults("site: n\nqueue: { path: q }\n" + section + "\n");
+}
+
+TEST(ForwardConfiguration, EveryKeyOfMqttIsRead) {
+  const auto loaded = load(R"(
+site: north
+queue: { path: q.db }
+mqtt:
+  servers: [mqtts://a.example:8883, "mqtt://[::1]:1883"]
+  authority: ca.pem
+  certificate: c.pem
+  key: k.pem
+  user: north
+  password-file: password
+  version: 3.1.1
+  client-id: one
+  acknowledgement: 2s
+  prefix: plant
+  retain: true
+  discovery: true
+  discovery-prefix: ha
+)");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  MqttSpec expected;
+  expected.servers = {{"a.example", 8883, true}, {"::1", 1883, false}};
+  expected.authority = "ca.pem";
+  expected.certificate = "c.pem";
+  expected.key = "k.pem";
+  expected.user = "north";
+  expected.password_file = "password";
+  expected.version = MqttVersion::k311;
+  expected.client_id = "one";
+  expected.acknowledgement = std::chrono::seconds{2};
+  expected.prefix = "plant";
+  expected.retain = expected.discovery = true;
+  expected.discovery_prefix = "ha";
+  EXPECT_EQ(std::get<MqttSpec>(loaded->outlet), expected);
+}
+
+TEST(ForwardConfiguration, EveryKeyOfSparkplugIsRead) {
+  const auto loaded = load(
+      "site: north\nqueue: { path: q.db }\nsparkplug: { group: g, edge-node: e, primary-host: "
+      "scada, "
+      "qos: 1, without-tls: true, servers: [mqtt://a.example:1883] }\n");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  SparkplugSpec expected;
+  expected.servers = {{"a.example", 1883, false}};
+  expected.without_tls = true;
+  expected.group = "g";
+  expected.edge_node = "e";
+  expected.primary_host = "scada";
+  expected.qos = 1;
+  EXPECT_EQ(std::get<SparkplugSpec>(loaded->outlet), expected);
+}
+
+TEST(ForwardConfiguration, FaultsOfAnMqttServerAreThoseOfEachServer) {
+  const auto found = outlet_faults("mqtt: { servers: [mqtt://10.0.0.7:1883] }");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0], HasSubstr("mqtts://10.0.0.7:1883"));
+  EXPECT_THAT(outlet_faults("mqtt: { servers: [nats://127.0.0.1:1] }"),
+              ElementsAre(HasSubstr("mqtt:// or mqtts://")));
+  EXPECT_THAT(outlet_faults("sparkplug: { user: ann }"),
+              ElementsAre(HasSubstr("'user' without 'password-file'")));
+  EXPECT_THAT(outlet_faults("sparkplug: { key: k.pem, servers: [mqtts://a.example:8883] }"),
+              ElementsAre(HasSubstr("'key' without 'certificate'")));
+  EXPECT_THAT(outlet_faults("mqtt: { authority: ca.pem }"), ElementsAre(HasSubstr("mqtts://")));
+  EXPECT_THAT(outlet_faults("sparkplug: { primary-host: \"a/b\" }"),
+              ElementsAre(HasSubstr("contains '+', '#', '/' or '$'")));
+  EXPECT_THAT(outlet_faults("mqtt: {}\nsparkplug: {}"), ElementsAre(HasSubstr("one engine")));
+}
+
 PostgresqlSpec postgresql_of(const std::string& text) {
   const auto loaded = load("site: n\nqueue: { path: q }\npostgresql: { " + text + " }\n");
   return loaded ? std::get<PostgresqlSpec>(loaded->outlet) : PostgresqlSpec{.server = "fault"};

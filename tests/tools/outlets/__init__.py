@@ -9,6 +9,9 @@ its section of the configuration of fieldcast-forward.
     acknowledgement: int      seconds, if the outlet waits longer than 2 s for the server
     reason_to_skip()          static; None, or why the test cannot run on this machine
     __init__(folder, port)    writes its files to the folder; does not start
+    key_of(sample)            static; identifies a sample of `fieldcast watch --json` in the place of its sequence, if the engine does
+                              not store sequences; None leaves it out
+    close()                   ends the programs of the consumer, if there are any
     start(), stop()           stop() kills the server; what it has acknowledged is kept
     close()                   ends everything, if it is not stop()
     pause(), resume()         the server neither reads nor responds

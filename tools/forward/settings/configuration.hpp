@@ -15,9 +15,11 @@
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/outlet/influxdb/influxdb_spec.hpp"
 #include "tools/forward/outlet/kafka/kafka_spec.hpp"
+#include "tools/forward/outlet/mqtt/mqtt_spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
 #include "tools/forward/outlet/prometheus/prometheus_spec.hpp"
+#include "tools/forward/outlet/sparkplug/sparkplug_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
 #include "tools/forward/send/sender.hpp"
@@ -25,8 +27,8 @@
 namespace fieldcast::forward {
 
 // The engine, by the section of the configuration.
-using OutletSpec =
-    std::variant<JetStreamSpec, InfluxdbSpec, KafkaSpec, PostgresqlSpec, PrometheusSpec>;
+using OutletSpec = std::variant<JetStreamSpec, InfluxdbSpec, KafkaSpec, MqttSpec, PostgresqlSpec,
+                                PrometheusSpec, SparkplugSpec>;
 
 struct ForwardSpec {
   std::string site;

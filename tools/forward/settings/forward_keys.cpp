@@ -70,6 +70,10 @@ const Rows<ForwardSpec>& forward_rows() {
           {{.name = "jetstream", .text = "the engine: servers of NATS JetStream", .schema = "{}"}},
           {{.name = "influxdb", .text = "the engine: InfluxDB or VictoriaMetrics", .schema = "{}"}},
           {{.name = "kafka", .text = "the engine: Kafka", .schema = "{}"}},
+          {{.name = "mqtt", .text = "the engine: servers of MQTT, with JSON", .schema = "{}"}},
+          {{.name = "sparkplug",
+            .text = "the engine: servers of MQTT, as an edge node of Sparkplug B",
+            .schema = "{}"}},
           {{.name = "postgresql", .text = "the engine: PostgreSQL or TimescaleDB", .schema = "{}"}},
           {{.name = "prometheus", .text = "the engine: Prometheus", .schema = "{}"}},
       });

@@ -5,6 +5,7 @@
 #include "tools/forward/settings/influxdb_keys.hpp"
 #include "tools/forward/settings/jetstream_keys.hpp"
 #include "tools/forward/settings/kafka_keys.hpp"
+#include "tools/forward/settings/mqtt_keys.hpp"
 #include "tools/forward/settings/postgresql_keys.hpp"
 #include "tools/forward/settings/prometheus_keys.hpp"
 
@@ -16,6 +17,8 @@ constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
     {"influxdb", read_influxdb, document_influxdb},
     {"kafka", read_kafka, document_kafka},
+    {"mqtt", read_mqtt, document_mqtt},
+    {"sparkplug", read_sparkplug, document_sparkplug},
     {"postgresql", read_postgresql, document_postgresql},
     {"prometheus", read_prometheus, document_prometheus},
 };

@@ -1,21 +1,30 @@
 // The address of a server as text. Pure.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 
 namespace fieldcast::forward {
 
+struct AddressSchemes {
+  std::string_view plain, tls;
+};
+inline constexpr AddressSchemes kNatsSchemes{"nats://", "tls://"};
+inline constexpr AddressSchemes kMqttSchemes{"mqtt://", "mqtts://"};
+
 struct ServerAddress {
+  std::string host;
+  std::uint16_t port = 0;
   bool tls = false;
   bool on_loopback = false;
 };
 
-// "nats://127.0.0.1:4222", "tls://nats.example:4222"; `scheme` is that of plain text. Fails with what is wrong; the message does
+// "nats://127.0.0.1:4222", "tls://nats.example:4222". Fails with what is wrong; the message does
 // not repeat a login.
 [[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(
-    std::string_view text, std::string_view scheme = "nats");
+    std::string_view text, const AddressSchemes& schemes = kNatsSchemes);
 
 // "localhost", "127.0.0.1", "::1".
 [[nodiscard]] bool is_loopback(const std::string& host);

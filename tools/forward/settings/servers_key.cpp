@@ -17,6 +17,8 @@ void read_servers(config::MapReader& map, std::string_view scheme, bool without_
                   std::vector<std::string>& servers) {
   const config::Node* node = map.find("servers");
   if (node == nullptr) return;
+  const std::string plain = std::string(scheme) + "://";
+  const AddressSchemes schemes{plain, "tls://"};
   const std::string form = fmt::format("{}://HOST:PORT or tls://HOST:PORT", scheme);
   if (!config::is_list(*node, "servers", 1, kMostServers,
                        fmt::format("a list of 1 to {}, each {}", kMostServers, form), map.faults(),
@@ -26,7 +28,7 @@ void read_servers(config::MapReader& map, std::string_view scheme, bool without_
   for (const config::Node* item : node->items) {
     const std::string* text = config::scalar_of(*item, "server", form, map.faults());
     if (text == nullptr) continue;
-    const auto address = server_address_from(*text, scheme);
+    const auto address = server_address_from(*text, schemes);
     if (!address) {
       map.faults().add(item->position, address.error(), form);
       continue;

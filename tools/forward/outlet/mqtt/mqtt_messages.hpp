@@ -1,0 +1,39 @@
+// The messages of a record as plain MQTT. Pure; one owner.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/forward/outlet/mqtt/mqtt_client.hpp"
+#include "tools/forward/outlet/outlet.hpp"
+
+namespace fieldcast::forward {
+
+class MqttMessages {
+ public:
+  MqttMessages(const MqttSpec& spec, std::string site, RecordDecoder::FindCatalogue catalogue)
+      : spec_(spec), site_(std::move(site)), decoder_(std::move(catalogue)) {}
+
+  // In their order. Empty if the record cannot be decoded.
+  [[nodiscard]] std::optional<std::vector<MqttMessage>> of(const Record& record);
+  // "online" or "offline" of this site, retained.
+  [[nodiscard]] MqttMessage status(bool is_online) const;
+  // The state of the forwarder, retained.
+  [[nodiscard]] MqttMessage site(const SiteStatus& status) const;
+
+ private:
+  [[nodiscard]] std::optional<std::vector<MqttMessage>> samples(const Record& record);
+  [[nodiscard]] std::optional<std::vector<MqttMessage>> catalogue(const Record& record);
+  [[nodiscard]] std::optional<std::vector<MqttMessage>> alarm(const Record& record) const;
+
+  const MqttSpec spec_;
+  const std::string site_;
+  RecordDecoder decoder_;
+  // Topics of discovery, by bus and device: those of removed channels are cleared.
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> discovered_;
+};
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,295 @@
+#include "tools/forward/outlet/sparkplug/edge_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bridge/log/log.hpp"
+#include "tools/forward/outlet/mqtt/topics.hpp"
+#include "tools/forward/payload/codec.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+constexpr std::string_view kNamespace = "spBv1.0";
+constexpr std::string_view kBirthAndDeath = "bdSeq";
+
+Metric birth_and_death(std::uint8_t number, UtcTime now) {
+  return {.name = std::string(kBirthAndDeath),
+          .at = now,
+          .type = MetricType::kInt64,
+          .value = Value(std::int64_t{number})};
+}
+
+std::array<std::optional<double>, 4> limits_of(const StationChannel& channel) {
+  const Limits& limits = channel.limits;
+  return {limits.low_low, limits.low, limits.high, limits.high_high};  // as LimitKind
+}
+
+std::string alarm_name(const std::string& channel, std::size_t limit) {
+  return fmt::format("Alarms/{}/{}", channel, to_text(static_cast<LimitKind>(limit)));
+}
+
+void log_unknown(const Record& record, const char* what) {
+  log_counted(LogLevel::kWarning, "sparkplug", "records of removed channels",
+              fmt::format("{}/{}: {} of a channel that the device no longer has; not sent",
+                          record.bus, record.device, what));
+}
+
+}  // namespace
+
+EdgeNode::EdgeNode(const SparkplugSpec& spec, const std::string& site,
+                   RecordDecoder::FindCatalogue catalogue)
+    : spec_(spec),
+      node_(topic_level(spec.edge_node.empty() ? site : spec.edge_node)),
+      decoder_(std::move(catalogue)) {}
+
+std::string EdgeNode::node_topic(std::string_view type) const {
+  return fmt::format("{}/{}/{}/{}", kNamespace, topic_level(spec_.group), type, node_);
+}
+
+MqttMessage EdgeNode::will(UtcTime now) {
+  bd_seq_ = bd_seq_ ? static_cast<std::uint8_t>(*bd_seq_ + 1) : std::uint8_t{0};
+  return death(now);
+}
+
+MqttMessage EdgeNode::death(UtcTime now) const {
+  // The specification requires QoS 1 for this message only.
+  return {node_topic("NDEATH"),
+          encode_payload({birth_and_death(bd_seq_.value_or(0), now)}, std::nullopt, now, true), 1,
+          false};
+}
+
+MqttMessage EdgeNode::made(std::string_view type, const Device* device,
+                           const std::vector<Metric>& metrics, UtcTime now) {
+  const bool is_birth = type.ends_with("BIRTH"), is_data = type.ends_with("DATA");
+  std::string topic = node_topic(type);
+  if (device != nullptr) topic += '/' + device->id;
+  return {std::move(topic), encode_payload(metrics, next_seq_++, now, is_birth),
+          is_data ? static_cast<int>(spec_.qos) : 0, false};
+}
+
+std::vector<MqttMessage> EdgeNode::births(UtcTime now) {
+  next_seq_ = 0;
+  Messages messages;
+  messages.push_back(made("NBIRTH", nullptr,
+                          {birth_and_death(bd_seq_.value_or(0), now),
+                           {.name = std::string(kRebirth),
+                            .at = now,
+                            .type = MetricType::kBoolean,
+                            .value = Value(false)}},
+                          now));
+  for (auto& [name, device] : devices_) {
+    device.is_born = false;
+    if (!device.channels.empty() && !device.is_dead) bear(device, messages, now);
+  }
+  return messages;
+}
+
+void EdgeNode::bear(Device& device, Messages& messages, UtcTime now) {
+  std::vector<Metric> metrics;
+  for (Channel& channel : device.channels) {
+    const Last last = channel.last.value_or(Last{.value = {}, .at = now});
+    channel.was_good = last.quality == Quality::kGood;
+    Metric& metric = metrics.emplace_back();
+    metric = {.name = channel.entry.channel,
+              .alias = channel.alias,
+              .at = last.at,
+              .type = channel.type,
+              .quality = last.quality,
+              .channel = &channel.entry};
+    if (has_value(last.quality)) metric.value = last.value;
+    for (std::size_t limit = 0; limit < channel.alarms.size(); ++limit) {
+      const Alarm& alarm = channel.alarms[limit];
+      if (alarm.alias == 0) continue;
+      Metric& state = metrics.emplace_back();
+      state = {.name = alarm_name(channel.entry.channel, limit),
+               .alias = alarm.alias,
+               .at = alarm.is_active ? alarm.at : now,
+               .type = MetricType::kBoolean};
+      if (alarm.is_active) state.value = Value(*alarm.is_active);
+    }
+  }
+  messages.push_back(made("DBIRTH", &device, metrics, now));
+  device.is_born = true;
+  device.is_dead = false;
+}
+
+std::optional<EdgeNode::Messages> EdgeNode::messages(const Record& record, UtcTime now) {
+  switch (record.kind) {
+    case RecordKind::kCatalogue: return catalogue(record);
+    case RecordKind::kAlarm: return alarm(record, now);
+    case RecordKind::kSamples: break;
+  }
+  return samples(record, now);
+}
+
+EdgeNode::Device& EdgeNode::device_of(const Record& record) {
+  Device& device = devices_[{record.bus, record.device}];
+  if (device.id.empty())
+    device.id = fmt::format("{}:{}", topic_level(record.bus), topic_level(record.device));
+  return device;
+}
+
+std::uint64_t EdgeNode::alias_of(const std::string& metric) {
+  return aliases_.try_emplace(metric, aliases_.size() + 1).first->second;
+}
+
+void EdgeNode::set_catalogue(Device& device, const DeviceCatalogue& catalogue,
+                             std::uint64_t identity, std::uint64_t record) {
+  std::vector<Channel> before = std::exchange(device.channels, {});
+  const auto index_before = std::exchange(device.index, {});
+  for (const StationChannel& entry : catalogue.channels) {
+    Channel channel;
+    const auto known = index_before.find(entry.channel);
+    if (known != index_before.end()) channel = std::move(before[known->second]);
+    const bool is_same_type = channel.entry.type == entry.type;
+    channel.entry = entry;
+    channel.alias = alias_of(entry.path());
+    if (!is_same_type) {
+      channel.type = metric_type_of(entry.type);
+      channel.last.reset();
+    }
+    const auto limits = limits_of(entry);
+    for (std::size_t limit = 0; limit < limits.size(); ++limit)
+      channel.alarms[limit].alias =
+          limits[limit] ? alias_of(fmt::format("{} {}", entry.path(), limit)) : 0;
+    device.index[entry.channel] = device.channels.size();
+    device.channels.push_back(std::move(channel));
+  }
+  for (const auto& [name, status] : std::exchange(device.early_alarms, {})) {
+    const auto found = device.index.find(name.first);
+    if (found == device.index.end()) continue;
+    Alarm& alarm = device.channels[found->second].alarms[name.second];
+    alarm.is_active = status.active;
+    alarm.at = status.since();
+  }
+  device.catalogue = identity;
+  device.record = record;
+  device.is_born = false;
+}
+
+// DBIRTH is sent with the next samples of the device, so that it contains their types.
+std::optional<EdgeNode::Messages> EdgeNode::catalogue(const Record& record) {
+  const auto decoded = decode_catalogue(record.body);
+  if (!decoded) return std::nullopt;
+  Device& device = device_of(record);
+  // A catalogue of the backlog does not replace a newer one.
+  if (record.id > device.record) {
+    if (device.catalogue == record.identity && !device.channels.empty()) {
+      device.record = record.id;
+    } else {
+      set_catalogue(device, *decoded, record.identity, record.id);
+    }
+  }
+  return Messages{};
+}
+
+std::vector<EdgeNode::Channel*> EdgeNode::channels_of(Device& device,
+                                                      const RecordDecoder::Samples& samples) {
+  const auto& entries = samples.catalogue->channels;
+  std::vector<Channel*> channels;
+  for (const BatchSample& sample : samples.batch.samples) {
+    const auto found = sample.channel < entries.size()
+                           ? device.index.find(entries[sample.channel].channel)
+                           : device.index.end();
+    Channel* const channel =
+        found == device.index.end() ? nullptr : &device.channels[found->second];
+    channels.push_back(channel);
+    if (channel == nullptr || !has_value(sample.quality) || fits(channel->type, sample.value))
+      continue;
+    channel->type = widest_type_of(sample.value);
+    if (channel->last && !fits(channel->type, channel->last->value)) channel->last.reset();
+    device.is_born = false;  // DBIRTH declares the new type
+  }
+  return channels;
+}
+
+Metric EdgeNode::metric_of(Channel& channel, const BatchSample& sample, bool is_late) {
+  Metric metric{.name = {},
+                .alias = channel.alias,
+                .at = sample.acquired_at,
+                .type = channel.type,
+                .is_historical = is_late};
+  const bool is_good = sample.quality == Quality::kGood;
+  // A value of another type in the same batch is not representable: the metric is null.
+  if (has_value(sample.quality) && fits(channel.type, sample.value)) metric.value = sample.value;
+  if (!is_good || (!is_late && !channel.was_good)) metric.quality = sample.quality;
+  if (!is_late) {
+    channel.was_good = is_good;
+    channel.last = Last{sample.value, sample.quality, sample.acquired_at};
+  }
+  return metric;
+}
+
+std::optional<EdgeNode::Messages> EdgeNode::samples(const Record& record, UtcTime now) {
+  auto decoded = decoder_.samples(record);
+  if (!decoded) return std::nullopt;
+  Device& device = device_of(record);
+  const bool is_newer = !record.is_late && record.id > device.record;
+  if (device.channels.empty() || (is_newer && device.catalogue != decoded->batch.catalogue))
+    set_catalogue(device, *decoded->catalogue, decoded->batch.catalogue, record.id);
+  // The payload is in the order of time (5.9); the batch is in the order of the channels.
+  std::stable_sort(
+      decoded->batch.samples.begin(), decoded->batch.samples.end(),
+      [](const BatchSample& a, const BatchSample& b) { return a.acquired_at < b.acquired_at; });
+  const std::vector<Channel*> channels = channels_of(device, *decoded);
+  const auto& batch = decoded->batch.samples;
+  const auto is_silent = [](Quality quality) { return quality == Quality::kBadNoResponse; };
+  if (device.is_dead && !record.is_late &&
+      std::all_of(batch.begin(), batch.end(),
+                  [&](const BatchSample& sample) { return is_silent(sample.quality); }))
+    return Messages{};
+  Messages messages;
+  if (!device.is_born) bear(device, messages, now);
+  std::vector<Metric> metrics;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (channels[i] == nullptr) {
+      log_unknown(record, "a sample");
+      continue;
+    }
+    metrics.push_back(metric_of(*channels[i], batch[i], record.is_late));
+  }
+  if (!metrics.empty()) messages.push_back(made("DDATA", &device, metrics, now));
+  if (std::all_of(device.channels.begin(), device.channels.end(), [&](const Channel& channel) {
+        return channel.last && is_silent(channel.last->quality);
+      })) {
+    messages.push_back(made("DDEATH", &device, {}, now));
+    device.is_born = false;
+    device.is_dead = true;
+  }
+  return messages;
+}
+
+std::optional<EdgeNode::Messages> EdgeNode::alarm(const Record& record, UtcTime now) {
+  const auto decoded = decode_alarm(record.body);
+  if (!decoded) return std::nullopt;
+  Device& device = device_of(record);
+  const auto found = device.index.find(decoded->alarm.channel);
+  const auto limit = static_cast<std::size_t>(decoded->alarm.limit);
+  if (device.channels.empty() && device.early_alarms.size() < kMostEarly) {
+    device.early_alarms[{decoded->alarm.channel, limit}] = decoded->status;
+    return Messages{};
+  }
+  if (found == device.index.end() || device.channels[found->second].alarms[limit].alias == 0) {
+    log_unknown(record, "an alarm");
+    return Messages{};
+  }
+  Alarm& alarm = device.channels[found->second].alarms[limit];
+  alarm.is_active = decoded->status.active;
+  alarm.at = decoded->status.since();
+  Messages messages;
+  // Otherwise the next DBIRTH contains the state.
+  if (device.is_born)
+    messages.push_back(made("DDATA", &device,
+                            {{.name = {},
+                              .alias = alarm.alias,
+                              .at = alarm.at,
+                              .type = MetricType::kBoolean,
+                              .value = Value(*alarm.is_active)}},
+                            now));
+  return messages;
+}
+
+}  // namespace fieldcast::forward

@@ -1,0 +1,135 @@
+#include "tools/forward/outlet/sparkplug/sparkplug_outlet.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "bridge/base/clock.hpp"
+#include "bridge/log/log.hpp"
+#include "tools/forward/outlet/undecodable.hpp"
+
+namespace fieldcast::forward {
+
+namespace {
+
+constexpr const char* kSection = "sparkplug";
+
+std::string state_topic(const std::string& host) { return "spBv1.0/STATE/" + host; }
+
+}  // namespace
+
+SparkplugOutlet::SparkplugOutlet(const SparkplugSpec& spec, OutletContext context)
+    : spec_(spec),
+      node_(spec, context.site, context.catalogue),
+      session_(spec, kSection, context,
+               {.will = [this] { return node_.will(read_clocks().utc); },
+                .received = [this](const MqttMessage& message) { on_message(message); }}) {}
+
+SparkplugOutlet::~SparkplugOutlet() { session_.close(last_message(), true); }
+
+std::optional<MqttMessage> SparkplugOutlet::last_message() const {
+  if (spec_.version == MqttVersion::k5) return std::nullopt;
+  return node_.death(read_clocks().utc);
+}
+
+bool SparkplugOutlet::begin_connection(Instant now) {
+  connection_ = session_.number();
+  connected_ = now;
+  is_born_ = false;
+  host_ = {};
+  return session_.subscribe(node_.command_topic()) &&
+         session_.subscribe(node_.device_command_topics()) &&
+         (spec_.primary_host.empty() || session_.subscribe(state_topic(spec_.primary_host)));
+}
+
+bool SparkplugOutlet::has_host(Instant now) {
+  if (spec_.primary_host.empty() || host_.is_online()) return true;
+  const std::string offline = fmt::format("primary host {} is offline", spec_.primary_host);
+  if (is_born_) {
+    is_born_ = false;
+    session_.restart(last_message(), true, offline, now);
+  } else if (spec_.servers.size() > 1 && now - connected_ > kHostWait) {
+    session_.restart(last_message(), true, offline, now);
+  }
+  return false;
+}
+
+bool SparkplugOutlet::is_ready(Instant now) {
+  now_ = now;
+  if (!session_.look(now)) {
+    unconfirmed_.clear();
+    return false;
+  }
+  if (connection_ != session_.number() && !begin_connection(now)) {
+    session_.reconnect("cannot subscribe to commands", now);
+    return false;
+  }
+  if (!has_host(now)) return false;
+  if (is_born_ && !rebirth_) return true;
+  for (const MqttMessage& birth : node_.births(read_clocks().utc)) {
+    if (!session_.publish(birth, std::nullopt, now)) return false;
+  }
+  is_born_ = true;
+  rebirth_ = false;
+  return true;
+}
+
+// After a request for a rebirth, no data may be sent before it.
+std::optional<std::size_t> SparkplugOutlet::send(const Record& record) {
+  if (!is_born_ || rebirth_ || !session_.has_space()) return std::nullopt;
+  const auto messages = node_.messages(record, read_clocks().utc);
+  if (!messages || messages->empty()) {
+    if (!messages) log_undecodable(record);
+    session_.finish(record.id, messages ? Outcome::kAcknowledged : Outcome::kRefused);
+    return 0;
+  }
+  std::size_t bytes = 0;
+  session_.begin(record.id);
+  for (const MqttMessage& message : *messages) {
+    if (!session_.publish(message, record.id, now_)) return std::nullopt;
+    bytes += message.topic.size() + message.payload.size();
+  }
+  // One confirmation for all messages of this turn (flush()).
+  if (spec_.qos == 0) {
+    unconfirmed_.push_back(record.id);
+  } else {
+    session_.end(record.id);
+  }
+  return bytes;
+}
+
+void SparkplugOutlet::flush() {
+  if (!unconfirmed_.empty()) session_.end_confirmed(std::exchange(unconfirmed_, {}), now_);
+}
+
+std::vector<OutletResult> SparkplugOutlet::take_results() {
+  session_.handle_events(now_);
+  return session_.take_results();
+}
+
+void SparkplugOutlet::on_message(const MqttMessage& message) {
+  if (!spec_.primary_host.empty() && message.topic == state_topic(spec_.primary_host)) {
+    const bool was_online = host_.is_online();
+    if (!host_.on_state(message.payload)) {
+      log_counted(LogLevel::kWarning, kSection, "unreadable states of the primary host",
+                  "the state of the primary host is not the JSON of Sparkplug 3.0; ignored");
+    } else if (was_online != host_.is_online()) {
+      log_info(kSection, fmt::format("primary host {} is {}", spec_.primary_host,
+                                     host_.is_online() ? "online" : "offline"));
+    }
+    return;
+  }
+  if (message.topic == node_.command_topic()) {
+    const auto command = decode_command(message.payload);
+    if (command && command->rebirth) {
+      log_counted(LogLevel::kInfo, kSection, "rebirths", "a host requests a rebirth");
+      rebirth_ = true;
+    }
+    if (command && command->refused.empty()) return;
+  }
+  log_counted(LogLevel::kWarning, kSection, "refused commands",
+              fmt::format("{}: refused: MQTT does not name the user, so no commands are accepted",
+                          message.topic));
+}
+
+}  // namespace fieldcast::forward
