@@ -105,16 +105,16 @@ bool BackFiller::fetch_part() {
       std::exchange(refused_[request->bus], progress.refusal) != progress.refusal)
     log_warning("back-fill",
                 fmt::format("samples of bus {} stay missing: {}", request->bus, progress.refusal));
-  for (Fetched& fetched : progress.fetched) record(std::move(fetched));
+  for (const Fetched& fetched : progress.fetched) record(fetched);
   for (const GapChange& change : progress.changes)
     if (change.is_closed) stored_.erase(change.gap.path);
   if (!gaps_.has(request->bus)) report(request->bus);
   return true;
 }
 
-void BackFiller::record(Fetched fetched) {
+void BackFiller::record(const Fetched& fetched) {
   Filled& filled = filled_[fetched.bus];
-  for (auto& [name, row] : fetched.samples) {
+  for (const auto& [name, row] : fetched.samples) {
     const std::string path = fetched.bus + '/' + fetched.device + '/' + name;
     const auto stored = stored_.find(path);
     // The range begins with the time of the stored sample, which has it by acquisition.

@@ -48,7 +48,7 @@ class BackFiller {
   void open(const FirstSample& first);
   void add(Gap gap);
   [[nodiscard]] bool fetch_part();
-  void record(Fetched fetched);
+  void record(const Fetched& fetched);
   void report(const std::string& bus);
 
   const BackfillSpec spec_;
