@@ -7,6 +7,7 @@
 
 #include "bridge/dds/topics/block.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/history.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/bus_table.hpp"
 #include "core/base/bytes.hpp"
@@ -84,6 +85,15 @@ void read_catalogue(Tables& tables, ByteView bytes) {
   tables.bus.on_catalogue(*block, tables.handlers);
 }
 
+void read_history_request(ByteView bytes) {
+  if (const auto* request = message_of<idl::HistoryRequestPubSubType>(bytes))
+    (void)from_idl(*request);
+}
+void read_history_block(ByteView bytes) {
+  if (const auto* block = message_of<idl::HistoryBlockPubSubType>(bytes))
+    (void)HistoryParts({.rows = HistoryRequest::kMostRows, .channels = {{}, {}}}).add(*block);
+}
+
 void read(Tables& tables, unsigned topic, ByteView bytes) {
   switch (topic) {
     case 0: return read_sample(bytes);
@@ -104,12 +114,14 @@ void read(Tables& tables, unsigned topic, ByteView bytes) {
     case 15: return convert<idl::StandbyNotePubSubType>(bytes);
     case 16: return convert<idl::StandbyRequestPubSubType>(bytes);
     case 17: return convert<idl::ChannelPubSubType>(bytes);
+    case 18: return read_history_request(bytes);
+    case 19: return read_history_block(bytes);
     default: (void)message_of<idl::SnapshotRequestPubSubType>(bytes);
   }
 }
 
 void run_one(ByteView data) {
-  constexpr unsigned kTopics = 19;
+  constexpr unsigned kTopics = 21;
   Tables tables;
   while (data.size() > 3) {
     const std::size_t size = std::min<std::size_t>(data[1] | data[2] << 8, data.size() - 3);

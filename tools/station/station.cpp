@@ -63,6 +63,7 @@ struct WebStation::State {
   void post(std::function<void()> task) { asio::post(io.context(), std::move(task)); }
 
   void open_store();
+  [[nodiscard]] std::optional<BackfillSpec> backfill() const;
   void join_domain();
   void open_site(std::unique_ptr<TlsServer> tls);
   [[nodiscard]] LoginCheck login_check();
@@ -106,9 +107,14 @@ void WebStation::State::open_store() {
   tokens = std::make_unique<Tokens>(*database, *store, utc_now, steady_now);
 }
 
+std::optional<BackfillSpec> WebStation::State::backfill() const {
+  if (!recorder || spec.backfill == Duration{}) return std::nullopt;
+  return BackfillSpec{StoreAddress(spec.store->address), spec.backfill};
+}
+
 void WebStation::State::join_domain() {
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
-                                        recorder.get());
+                                        recorder.get(), backfill());
   servers_from = steady_now() + kServersReply;
 }
 

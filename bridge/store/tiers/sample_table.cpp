@@ -273,12 +273,12 @@ std::optional<UtcTime> SampleTable::oldest(std::int64_t channel) {
   return found;
 }
 
-std::optional<SampleRow> SampleTable::newest(std::int64_t channel) {
+std::optional<SampleRow> SampleTable::newest(std::int64_t channel, UtcTime before) {
   std::optional<SampleRow> found;
   connection_.query(
-      "select published_at, sequence, acquired_at, quality from samples where channel = $1 "
-      "order by published_at desc, sequence desc limit 1",
-      {channel}, [&](const SqlRow& row) {
+      "select published_at, sequence, acquired_at, quality from samples where channel = $1 and "
+      "published_at < $2 order by published_at desc, sequence desc limit 1",
+      {channel, before.nanoseconds}, [&](const SqlRow& row) {
         found = {.channel = channel,
                  .published_at = {integer_at(row, 0)},
                  .acquired_at = {integer_at(row, 2)},

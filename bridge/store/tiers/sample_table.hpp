@@ -96,8 +96,8 @@ class SampleTable {
   // Removes the oldest samples before `before`, about `limit` at most. Returns their number.
   std::uint64_t remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit);
   [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);
-  // Returns the newest sample, without its value.
-  [[nodiscard]] std::optional<SampleRow> newest(std::int64_t channel);
+  // Returns the newest sample that was published before `before`, without its value.
+  [[nodiscard]] std::optional<SampleRow> newest(std::int64_t channel, UtcTime before = kEndOfTime);
 
  private:
   void insert(std::string_view table, std::span<const SampleRow> samples);

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "bridge/base/clock.hpp"
@@ -95,6 +98,38 @@ TEST_F(HistoryServiceTest, ARangeBeforeTheKeptTimeIsRefused) {
   old.until = utc(0);
   service.receive(old, "");
   EXPECT_EQ(wait_for().outcome, HistoryOutcome::kNotKept);
+}
+
+TEST_F(HistoryServiceTest, AFloodOfHugeRequestsIsRefusedAndTheNextOneIsServed) {
+  StoreSpec spec = forever(StoreAddress(scratch.path("flood.db")));
+  Store store(spec);
+  const auto intake = store.intake(bus_of("h", {"a"}));
+  const Sample one[] = {sample(0, 0.5, 1)};
+  intake->put(one, kClock, utc(1));
+  ASSERT_TRUE(store.flush(seconds{30}));
+  HistoryService service(spec, uses());
+  for (int i = 0; i < 100; ++i) {
+    HistoryRequest hostile = request();
+    hostile.requester = std::to_string(i);
+    hostile.until = kEnd;
+    hostile.channels.assign(HistoryRequest::kMostChannels, hostile.channels[0]);
+    service.receive(hostile, "");
+  }
+  const auto is_served = [&] {
+    service.receive(request(), "");
+    const std::lock_guard lock(mutex);
+    return std::ranges::any_of(responses, [](const auto& each) {
+      return each.first.requester == "r" && each.second.outcome == HistoryOutcome::kRows;
+    });
+  };
+  for (int i = 0; i < 3000 && !is_served(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds{10});
+  EXPECT_TRUE(is_served());
+  const std::lock_guard lock(mutex);
+  const auto flood = std::ranges::count_if(
+      responses, [](const auto& each) { return each.first.requester != "r"; });
+  // One more may have been taken from the queue while the others arrived.
+  EXPECT_LE(flood, 3 * (HistoryQueue::kMostServed + HistoryQueue::kMostRefused));
 }
 
 }  // namespace

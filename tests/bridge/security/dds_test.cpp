@@ -164,6 +164,28 @@ void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_
   ::close(file);
 }
 
+TEST_F(DdsSecurity, EveryRoleOfAStationReceivesStoredSamples) {
+  Received received;
+  auto handlers = received.handlers();
+  DdsLink* responds = nullptr;
+  handlers.on_history = [&](const HistoryRequest& request, const std::string&) {
+    HistoryResponse response{.complete = 1};
+    response.rows.push_back({.number = {7, 1}, .value = 0.5, .quality = Quality::kGood});
+    responds->respond(request, response);
+  };
+  DdsLink link(as_new({kBridge, "line-1"}), "line-1", std::move(handlers));
+  responds = &link;
+  const HistoryRequest request{.bus = "b", .until = {1}, .channels = {{"d", "c", {}, {}, {}}}};
+  for (const auto role : {kStation, kPlant, kStationReadonly}) {
+    Station station(as_new({role, "s" + std::to_string(static_cast<int>(role))}), "s");
+    const auto response = station.history(request, 10s);
+    ASSERT_TRUE(response) << to_text(response.error());
+    EXPECT_EQ(response->rows.size(), 1u);
+  }
+  Station outsider(unsigned_one(), "outsider");
+  EXPECT_FALSE(outsider.history(request, kLongEnough));
+}
+
 TEST_F(DdsSecurity, MembersReadAndCommandAndTheBridgeKnowsWhoTheyAre) {
   Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
   Watching wall(as_new({kStationReadonly, "wall", {}}));

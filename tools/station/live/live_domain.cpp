@@ -76,7 +76,8 @@ struct LiveDomain::State {
   }};
   StationPort port{station};
   CommandController desk;
-  Station station;  // last member: its callbacks use the members above
+  Station station;  // its callbacks use the members above
+  std::optional<BackFiller> back_filler;
 };
 
 void LiveDomain::State::deliver() {
@@ -150,8 +151,9 @@ void LiveDomain::State::listen() {
 
 LiveDomain::LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
                        const std::string& name, const std::string& version, Audit* audit,
-                       Recorder* recorder)
+                       Recorder* recorder, const std::optional<BackfillSpec>& backfill)
     : state_(std::make_unique<State>(io, sites, name, version, audit, recorder)) {
+  if (backfill) state_->back_filler.emplace(*backfill, state_->station, *recorder);
   state_->listen();
   state_->watch();
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bridge/station/station.hpp"
@@ -13,6 +14,7 @@
 #include "tools/station/live/live_hub.hpp"
 #include "tools/station/live/live_peer.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/record/back_filler.hpp"
 #include "tools/station/record/recorder.hpp"
 
 namespace fieldcast::web {
@@ -20,10 +22,10 @@ namespace fieldcast::web {
 class LiveDomain {
  public:
   // Joins the domains of all sites. Throws DdsError. `audit` and `recorder` may be null, and must
-  // outlive this object.
+  // outlive this object. `backfill` needs a recorder.
   LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
              const std::string& name, const std::string& version, Audit* audit = nullptr,
-             Recorder* recorder = nullptr);
+             Recorder* recorder = nullptr, const std::optional<BackfillSpec>& backfill = {});
   ~LiveDomain();
   LiveDomain(const LiveDomain&) = delete;
   LiveDomain& operator=(const LiveDomain&) = delete;

@@ -214,9 +214,52 @@ void Recorder::on_sample(const StationSample& sample, UtcTime received) {
            .device_code = sample.device_code,
            .value = sample.value,
            .perhaps_stored = first};
+    note(*to, sample, row.published_at);
     // Within the lock, so that rows of a channel are queued in order.
     store_.put(std::span(&row, 1));
   }
+}
+
+void Recorder::watch_gaps() {
+  const std::lock_guard lock(mutex_);
+  watches_gaps_ = true;
+}
+
+Recorder::Gaps Recorder::take_gaps() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(gaps_, {});
+}
+
+void Recorder::note(Channel& channel, const StationSample& sample, UtcTime published) {
+  const SampleNumber number{sample.epoch, sample.sequence};
+  const SampleNumber last = std::exchange(channel.last, number);
+  if (!watches_gaps_ || number.epoch == 0 || gaps_.gaps.size() + gaps_.first.size() >= kMaxGaps)
+    return;
+  std::string path = path_of(sample.bus, sample.device, sample.channel);
+  if (last.epoch == 0) {
+    gaps_.first.push_back({std::move(path), number, published});
+  } else if (is_gap(last, number)) {
+    gaps_.gaps.push_back({std::move(path), last, number, {}});
+  }
+}
+
+void Recorder::on_fetched(const std::string& path, const HistoryRow& fetched) {
+  const std::lock_guard lock(mutex_);
+  const auto known = channels_.find(path);
+  if (known == channels_.end() || !known->second.number) return;
+  const Duration late = between(fetched.acquired_at, fetched.published_at);
+  // As SampleStamp, so that a sample that arrived too is stored once.
+  const bool by_acquisition = fetched.quality == Quality::kGood &&
+                              late >= -SampleStamp::kMaxOffset && late <= SampleStamp::kMaxOffset;
+  const SampleRow row{.channel = *known->second.number,
+                      .published_at = by_acquisition ? fetched.acquired_at : fetched.published_at,
+                      .acquired_at = fetched.acquired_at,
+                      .sequence = fetched.number.sequence,
+                      .quality = fetched.quality,
+                      .device_code = fetched.device_code,
+                      .value = fetched.value};
+  ++counters_.recorded;
+  store_.put(std::span(&row, 1));
 }
 
 void Recorder::on_device_status(const StationDeviceStatus& status) {

@@ -14,6 +14,7 @@
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/store.hpp"
 #include "core/alarm/alarm_registry.hpp"
+#include "tools/backfill/gap.hpp"
 
 namespace fieldcast::web {
 
@@ -51,6 +52,13 @@ class SampleStamp {
   UtcTime acquired_;
   UtcTime published_;
   Quality quality_ = Quality::kNotYetRead;
+};
+
+// The first sample of a channel since the start.
+struct FirstSample {
+  std::string path;
+  SampleNumber number;
+  UtcTime published_at;  // as it is stored
 };
 
 struct AlarmNews {
@@ -91,6 +99,9 @@ class Recorder {
   // Further channels are ignored; their samples count as unknown.
   static constexpr std::size_t kMaxChannels = 200'000;
   static constexpr std::size_t kMaxDevices = 50'000;
+  // Gaps that were not taken yet. Further ones stay in the record.
+  static constexpr std::size_t kMaxGaps = 2 * kMaxChannels;
+  static constexpr std::size_t kMaxWaiting = Store::kMaxWaiting / 10;  // samples; is_busy()
 
   explicit Recorder(Store& store) : store_(store) {}
   Recorder(const Recorder&) = delete;
@@ -101,6 +112,18 @@ class Recorder {
   void on_sample(const StationSample& sample, UtcTime received);
   void on_device_status(const StationDeviceStatus& status);
   void on_alarm_status(const StationAlarmStatus& status, UtcTime received);
+
+  // From now on, samples that are missing between two others are noted.
+  void watch_gaps();
+  struct Gaps {
+    std::vector<Gap> gaps;
+    std::vector<FirstSample> first;  // samples before them may be missing
+  };
+  [[nodiscard]] Gaps take_gaps();
+  // A missing sample that was fetched from the store of a bridge.
+  void on_fetched(const std::string& path, const HistoryRow& row);
+  // True while the store has many samples to write.
+  [[nodiscard]] bool is_busy() const { return store_.counters().waiting > kMaxWaiting; }
 
   struct Counters {
     std::uint64_t recorded = 0;  // samples passed to the store
@@ -116,10 +139,13 @@ class Recorder {
     bool told = false;                   // unit and type are known
     bool gone = false;
     bool is_new = true;  // no sample since start or since its return
+    SampleNumber last;   // of the last sample; epoch 0: none
     SampleStamp stamp;
   };
   // Returns null if the table is full. REQUIRES: mutex_ is held.
   [[nodiscard]] Channel* channel(std::string path);
+  // Notes a gap between the last sample and this one.
+  void note(Channel& channel, const StationSample& sample, UtcTime published);
 
   Store& store_;
   mutable std::mutex mutex_;
@@ -127,6 +153,8 @@ class Recorder {
   std::map<std::string, ClockOffset, std::less<>> clocks_;   // by bus
   std::map<std::string, DeviceState, std::less<>> devices_;  // last stored state, by bus/device
   AlarmDiff alarms_;
+  bool watches_gaps_ = false;
+  Gaps gaps_;
   Counters counters_;
 };
 

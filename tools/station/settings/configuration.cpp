@@ -33,6 +33,7 @@ constexpr std::pair<std::string_view, LocalRole> kLocalRoles[] = {
 
 struct RecordSpec {
   std::vector<std::string> patterns{"*"};
+  Duration backfill = StationSpec{}.backfill;
 };
 
 // `fault(text)` returns what is wrong, or an empty text.
@@ -78,6 +79,7 @@ std::string fault_of_pattern(const std::string& text) {
   return pattern ? "" : "patterns: " + pattern.error();
 }
 
+constexpr Duration kMostBackfill = std::chrono::hours{24 * 366};
 constexpr std::string_view kTexts = R"({ "type": "array", "items": { "type": "string" } })";
 
 const Rows<WebSpec>& web_rows() {
@@ -123,7 +125,13 @@ const Rows<RecordSpec>& record_rows() {
       {{{.name = "patterns",
          .fallback = "[\"*\"]: all",
          .text = "patterns `BUS/DEVICE/CHANNEL` of the channels whose samples are recorded",
-         .schema = std::string(kTexts)}}},
+         .schema = std::string(kTexts)}},
+       field<RecordSpec>(
+           {.name = "backfill",
+            .fallback = "1d",
+            .text = "samples that the station missed are fetched from the store of the bridge if "
+                    "they are not older; `0s`: they are not fetched"},
+           &RecordSpec::backfill, config::DurationRule{Duration{}, kMostBackfill})},
       "Records what all bridges of the domain publish, in `store`.");
   return rows;
 }
@@ -184,6 +192,8 @@ void read_record(MapReader& file, StationSpec& spec) {
   if (node == nullptr) return;
   RecordSpec record;
   MapReader map(*node, record_rows(), file.faults());
+  record_rows().read(map, record);
+  spec.backfill = record.backfill;
   read_texts(map, "patterns", "BUS/DEVICE/CHANNEL with *", record.patterns, fault_of_pattern);
   if (spec.store) {
     spec.store->samples = std::move(record.patterns);

@@ -31,6 +31,7 @@ struct StationSpec {
   WebSpec web;
   // `samples` has the patterns of the recorded channels; an empty list records nothing.
   std::optional<StoreSpec> store;
+  Duration backfill = std::chrono::hours{24};  // of the record; 0: missing samples stay missing
 };
 
 using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;

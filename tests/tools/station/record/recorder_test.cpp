@@ -169,6 +169,38 @@ TEST_F(RecorderTest, SamplesOfManyThreadsAllArriveInTheOrderOfTheirChannel) {
   }
 }
 
+TEST_F(RecorderTest, MissingSamplesAreGapsAndFillThem) {
+  const auto live = [](std::int64_t second, std::uint64_t sequence) {
+    StationSample made = sample_of("east", "p", second, sequence);
+    made.epoch = 7;
+    return made;
+  };
+  const auto fetched = [](std::int64_t second, std::uint64_t sequence) {
+    return HistoryRow{.number = {7, sequence},
+                      .published_at = {utc(second).nanoseconds + 1},
+                      .acquired_at = utc(second),
+                      .value = 0.5,
+                      .quality = Quality::kGood};
+  };
+  start();
+  recorder_->watch_gaps();
+  recorder_->on_sample(live(1, 4), utc(1));
+  recorder_->on_sample(live(2, 5), utc(2));
+  recorder_->on_sample(live(9, 12), utc(9));
+  const Recorder::Gaps found = recorder_->take_gaps();
+  ASSERT_EQ(found.first.size(), 1u);
+  EXPECT_EQ(found.first[0].path, "east/d/p");
+  EXPECT_EQ(found.first[0].number, (SampleNumber{7, 4}));
+  EXPECT_EQ(found.first[0].published_at, utc(1));
+  EXPECT_THAT(found.gaps, ElementsAre(Gap{"east/d/p", {7, 5}, {7, 12}, {}}));
+  EXPECT_TRUE(recorder_->take_gaps().gaps.empty());
+  for (std::uint64_t sequence = 5; sequence <= 12; ++sequence)  // the ends are repeated
+    recorder_->on_fetched("east/d/p", fetched(static_cast<std::int64_t>(sequence) - 3, sequence));
+  recorder_->on_fetched("east/d/unknown", fetched(5, 5));
+  stop();
+  EXPECT_THAT(sequences("east"), ElementsAre(4, 5, 6, 7, 8, 9, 10, 11, 12));
+}
+
 TEST_F(RecorderTest, ADeviceIsStoredWhenItsStateChanges) {
   const auto status = [](DeviceState state, std::int64_t second) {
     StationDeviceStatus made{.bus = "east", .device = "d", .reported_at = utc(second)};
