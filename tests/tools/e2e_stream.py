@@ -36,7 +36,7 @@ buses:
         address: 1
         channels:
           - { name: temperature, at: "holding:100", type: float32, unit: °C }
-          - { name: setpoint, at: "holding:200", type: int16, access: read-write, limits: { high: 100 } }
+          - { name: setpoint, at: "holding:200", type: int16, access: read-write, limits: { high: 32000 } }
           - { name: running, at: "coil:3", type: bool }
 """
 CHANNELS = ("temperature", "setpoint", "running")
@@ -131,22 +131,25 @@ def numbers(data):
 
 def fields_of(data):
     """{field: bytes} of the packed fields of a SampleBatch."""
-    found, at = {}, 0
+    at = 0
+
+    def varint():
+        nonlocal at
+        end = at
+        while data[end] >= 0x80:
+            end += 1
+        number, at = numbers(data[at:end + 1])[0], end + 1
+        return number
+
+    found = {}
     while at < len(data):
-        key, at = data[at], at + 1
-        if key & 7 == 1:
-            at += 8
+        field, kind = divmod(varint(), 8)
+        if kind == 0:
+            varint()
             continue
-        length, shift = 0, 0
-        while True:
-            byte, at = data[at], at + 1
-            length |= (byte & 0x7F) << shift
-            shift += 7
-            if byte < 0x80:
-                break
-        if key & 7 == 2:
-            found[key >> 3] = data[at:at + length]
-            at += length
+        length = 8 if kind == 1 else varint()
+        found[field] = data[at:at + length]
+        at += length
     return found
 
 
@@ -241,7 +244,7 @@ class Stream(unittest.TestCase):
     def test_2_alarms(self):
         with station() as running:
             web = Browser(running)
-            self.assertEqual(north.plant.cli("write", "line/press.1/setpoint=200").code, 0)
+            self.assertEqual(north.plant.cli("write", "line/press.1/setpoint=32001").code, 0)
             alarms = wait_until(lambda: [each for each in web.get("/api/alarms")["alarms"] if each["active"]], SECONDS, running.log)
             self.assertEqual([(each["bus"], each["channel"], each["limit"]) for each in alarms], [("north:line", "setpoint", "high")])
             status, text = web.ask("POST", "/api/alarms/acknowledge", {"alarms": [

@@ -136,7 +136,8 @@ class RecordReader {
     while (!store_.flush(kFlush)) {
       if (shared_.is_ending()) return;
     }
-    (void)natsMsg_Ack(last_.get(), nullptr);
+    // Waits for the server, so that a station that ends has its position there.
+    (void)natsMsg_AckSync(last_.get(), nullptr, nullptr);
     last_.reset();
     rows_ = 0;
     committed_ = steady_now();

@@ -206,5 +206,14 @@ TEST(MetricsText, IsWhatPrometheusReads) {
             "fieldcast_station_frames_total 1000000\n");
 }
 
+TEST(MetricsText, ValuesOfSitesHaveALabelAndOneDescription) {
+  EXPECT_EQ(metrics_text({{"site_backlog_records", false, "B.", 3, "north"},
+                          {"site_backlog_records", false, "B.", 4, "a\"b"}}),
+            "# HELP fieldcast_station_site_backlog_records B.\n"
+            "# TYPE fieldcast_station_site_backlog_records gauge\n"
+            "fieldcast_station_site_backlog_records{site=\"north\"} 3\n"
+            "fieldcast_station_site_backlog_records{site=\"a\\\"b\"} 4\n");
+}
+
 }  // namespace
 }  // namespace fieldcast::web
