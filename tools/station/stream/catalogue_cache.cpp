@@ -18,6 +18,7 @@ SharedCatalogue CatalogueCache::find(const std::string& site, const std::string&
       return nullptr;
   }
   const auto entry = read(key);
+  if (!entry && entry.error() == EntryFault::kUnavailable) return nullptr;
   auto decoded = entry ? decode_catalogue(site, *entry) : tl::make_unexpected(MessageFault::kForm);
   const std::lock_guard lock(mutex_);
   if (!decoded) {

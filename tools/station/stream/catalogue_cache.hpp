@@ -5,14 +5,19 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <unordered_map>
 
 #include "core/base/time.hpp"
 #include "tools/station/stream/stream_batch.hpp"
 
 namespace fieldcast::web {
+
+enum class EntryFault : std::uint8_t {
+  kMissing,
+  kUnavailable,  // the server did not respond: it may exist
+};
 
 class CatalogueCache {
  public:
@@ -22,8 +27,8 @@ class CatalogueCache {
   static constexpr Duration kMissing = std::chrono::seconds{2};
   static constexpr std::size_t kMaxMissing = 10'000;
 
-  // Reads the entry of the bucket with that key; empty if there is none. May block for seconds.
-  using Read = std::function<std::optional<std::string>(const std::string& key)>;
+  // Reads the entry of the bucket with that key. May block for seconds.
+  using Read = std::function<tl::expected<std::string, EntryFault>(const std::string& key)>;
   // Returns null if it is missing or cannot be decoded.
   [[nodiscard]] SharedCatalogue find(const std::string& site, const std::string& bus,
                                      const std::string& device, std::uint64_t identity, Instant now,

@@ -104,11 +104,25 @@ kvStore* NatsSession::bucket(const std::string& name) {
   return known.get();
 }
 
-std::optional<std::string> NatsSession::entry(const std::string& name, const std::string& key) {
+void NatsSession::acknowledge(const std::vector<std::string>& replies) {
+  constexpr std::string_view kAcknowledged = "+ACK";
+  constexpr std::int64_t kFlushMs = 2'000;
+  if (!connection_) return;
+  for (const std::string& reply : replies)
+    (void)natsConnection_Publish(connection_.get(), reply.c_str(), kAcknowledged.data(),
+                                 static_cast<int>(kAcknowledged.size()));
+  (void)natsConnection_FlushTimeout(connection_.get(), kFlushMs);
+}
+
+tl::expected<std::string, EntryFault> NatsSession::entry(const std::string& name,
+                                                         const std::string& key) {
   kvStore* const store = bucket(name);
-  if (store == nullptr) return std::nullopt;
+  if (store == nullptr) return tl::make_unexpected(EntryFault::kUnavailable);
   kvEntry* made = nullptr;
-  if (kvStore_Get(&made, store, key.c_str()) != NATS_OK) return std::nullopt;
+  const natsStatus status = kvStore_Get(&made, store, key.c_str());
+  if (status != NATS_OK)
+    return tl::make_unexpected(status == NATS_NOT_FOUND ? EntryFault::kMissing
+                                                        : EntryFault::kUnavailable);
   const forward::NatsEntry entry(made);
   return std::string(static_cast<const char*>(kvEntry_Value(made)),
                      static_cast<std::size_t>(kvEntry_ValueLen(made)));

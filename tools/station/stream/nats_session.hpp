@@ -4,12 +4,13 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/time.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/forward/outlet/nats/nats_handles.hpp"
+#include "tools/station/stream/catalogue_cache.hpp"
 
 namespace fieldcast::web {
 
@@ -30,10 +31,14 @@ class NatsSession {
 
   // REQUIRES: is_ready() was true.
   [[nodiscard]] jsCtx* context() { return context_.get(); }
-  // The value of a key; empty if there is none, or the server does not respond within 5 s.
-  [[nodiscard]] std::optional<std::string> entry(const std::string& bucket, const std::string& key);
-  // Null if the bucket does not exist. Valid until the generation changes.
+  // The value of a key. kUnavailable if the server does not respond within 5 s.
+  [[nodiscard]] tl::expected<std::string, EntryFault> entry(const std::string& bucket,
+                                                            const std::string& key);
+  // Null if the bucket cannot be read. Valid until the generation changes.
   [[nodiscard]] kvStore* bucket(const std::string& name);
+  // Acknowledges messages by their reply subjects, and waits until the server has received this, at
+  // most 2 s. A message whose acknowledgement is lost is delivered again.
+  void acknowledge(const std::vector<std::string>& replies);
 
  private:
   void connect();

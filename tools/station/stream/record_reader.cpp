@@ -3,6 +3,9 @@
 // continues with the first message that is not stored.
 #include <fmt/format.h>
 
+#include <string>
+#include <vector>
+
 #include "bridge/base/clock.hpp"
 #include "bridge/store/store.hpp"
 #include "tools/forward/outlet/nats/subject.hpp"
@@ -45,7 +48,8 @@ Subscribed subscribe(NatsSession& session, const StreamShared& shared) {
     jsConsumerConfig_Init(&config);
     config.Durable = name.c_str();
     config.DeliverPolicy = js_DeliverAll;
-    config.AckPolicy = js_AckAll;
+    // Each one: a message that was sent but not received must not be acknowledged with a later one.
+    config.AckPolicy = js_AckExplicit;
     config.AckWait = Duration{kRedelivered}.count();
     config.MaxAckPending = kMaxUnacknowledged;
     status = js_AddConsumer(nullptr, session.context(), stream.c_str(), &config, nullptr, nullptr);
@@ -80,9 +84,9 @@ class RecordReader {
       if (!is_subscribed()) continue;
       fetch();
       const Instant now = steady_now();
-      if (last_ != nullptr && (rows_ >= kCommitRows || now - committed_ >= kCommit)) commit();
+      if (rows_ >= kCommitRows || now - committed_ >= kCommit) commit();
     }
-    if (last_ != nullptr) commit();
+    commit();
   }
 
  private:
@@ -93,7 +97,6 @@ class RecordReader {
       return false;
     }
     if (subscription_ != nullptr && generation_ == session_.generation()) return true;
-    last_.reset();  // its connection is closed; the message is delivered again
     subscription_.reset();
     auto made = subscribe(session_, shared_);
     shared_.set_fault(StreamPart::kRecord, made ? "" : made.error());
@@ -117,7 +120,8 @@ class RecordReader {
     }
     for (int i = 0; i < list.Count && !shared_.is_ending(); ++i) {
       if (const auto batch = reader_.batch_of(list.Msgs[i])) record(*batch);
-      last_.reset(std::exchange(list.Msgs[i], nullptr));
+      if (reader_.is_unavailable()) continue;  // not acknowledged: it is delivered again
+      if (const char* const reply = natsMsg_GetReply(list.Msgs[i])) done_.emplace_back(reply);
     }
     natsMsgList_Destroy(&list);
   }
@@ -133,12 +137,12 @@ class RecordReader {
 
   // While the database is not available, no message is acknowledged and no further one is fetched.
   void commit() {
+    if (done_.empty()) return;
     while (!store_.flush(kFlush)) {
       if (shared_.is_ending()) return;
     }
-    // Waits for the server, so that a station that ends has its position there.
-    (void)natsMsg_AckSync(last_.get(), nullptr, nullptr);
-    last_.reset();
+    session_.acknowledge(done_);
+    done_.clear();
     rows_ = 0;
     committed_ = steady_now();
   }
@@ -149,7 +153,9 @@ class RecordReader {
   MessageReader reader_;
   StreamRecorder recorder_;
   forward::NatsSubscription subscription_;
-  forward::NatsMessage last_;  // the last one that was recorded, not acknowledged yet
+  // Reply subjects of messages that were recorded and not acknowledged yet, at most
+  // kMaxUnacknowledged: the server sends no further one.
+  std::vector<std::string> done_;
   std::uint64_t generation_ = 0;
   std::size_t rows_ = 0;  // since the last commit
   Instant committed_{};

@@ -23,6 +23,7 @@ class StateReader {
         reader_(shared, session_, true) {}
 
   void run() {
+    pass_states(false);
     while (!shared_.is_ending()) {
       const bool ready = session_.is_ready(steady_now());
       if (ready) {

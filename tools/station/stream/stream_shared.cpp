@@ -79,9 +79,13 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
   const auto find = [this](const std::string& site, const std::string& bus,
                            const std::string& device, std::uint64_t identity) {
     return shared_.catalogues.find(
-        site, bus, device, identity, steady_now(),
-        [this](const std::string& key) { return session_.entry(shared_.spec.bucket, key); });
+        site, bus, device, identity, steady_now(), [this](const std::string& key) {
+          auto entry = session_.entry(shared_.spec.bucket, key);
+          is_unavailable_ = !entry && entry.error() == EntryFault::kUnavailable;
+          return entry;
+        });
   };
+  is_unavailable_ = false;
   auto batch = decode_batch(message, find);
   const Instant began = steady_now();
   if (!batch && batch.error() == MessageFault::kCatalogue &&
@@ -93,7 +97,9 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
     waited_[std::string(message.subject)] = steady_now() + kWaitAgain;
   }
   if (!batch) {
-    refuse(message, batch.error());
+    is_unavailable_ =
+        batch.error() == MessageFault::kCatalogue && (is_unavailable_ || shared_.is_ending());
+    if (!is_unavailable_) refuse(message, batch.error());
     return std::nullopt;
   }
   shared_.sites.heard(batch->site, batch->stored_at);

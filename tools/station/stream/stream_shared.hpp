@@ -62,6 +62,8 @@ class MessageReader {
 
   // Empty for a message that cannot be decoded. May block while it waits for a catalogue.
   [[nodiscard]] std::optional<StreamBatch> batch_of(natsMsg* message);
+  // Whether the last batch is empty only because its catalogue could not be read now.
+  [[nodiscard]] bool is_unavailable() const { return is_unavailable_; }
   [[nodiscard]] std::optional<StationAlarmStatus> alarm_of(natsMsg* message);
 
  private:
@@ -70,6 +72,7 @@ class MessageReader {
   StreamShared& shared_;
   NatsSession& session_;
   const bool counts_;
+  bool is_unavailable_ = false;
   std::unordered_map<std::string, Instant> waited_;  // when it may wait again, by subject
 };
 

@@ -17,7 +17,8 @@ class CatalogueCacheTest : public testing::Test {
     });
   }
   CatalogueCache cache_;
-  std::optional<std::string> entry_ = forward::encode("north", test::catalogue_of("line", {"a"}));
+  tl::expected<std::string, EntryFault> entry_ =
+      forward::encode("north", test::catalogue_of("line", {"a"}));
   std::string key_;
   int reads_ = 0;
 };
@@ -32,12 +33,21 @@ TEST_F(CatalogueCacheTest, ACatalogueIsReadOnce) {
 }
 
 TEST_F(CatalogueCacheTest, AMissingOneIsRequestedAgainAfterAPause) {
-  const auto present = std::exchange(entry_, std::nullopt);
+  const auto present = entry_;
+  entry_ = tl::make_unexpected(EntryFault::kMissing);
   EXPECT_EQ(find({}), nullptr);
   entry_ = present;
   EXPECT_EQ(find({}), nullptr);
   EXPECT_EQ(reads_, 1);
   EXPECT_NE(find(Instant{} + CatalogueCache::kMissing), nullptr);
+}
+
+TEST_F(CatalogueCacheTest, OneThatCouldNotBeReadIsRequestedAgainImmediately) {
+  const auto present = entry_;
+  entry_ = tl::make_unexpected(EntryFault::kUnavailable);
+  EXPECT_EQ(find({}), nullptr);
+  entry_ = present;
+  EXPECT_NE(find({}), nullptr);
 }
 
 TEST_F(CatalogueCacheTest, AnEntryThatCannotBeDecodedIsMissing) {
