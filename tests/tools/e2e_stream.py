@@ -258,8 +258,10 @@ class Stream(unittest.TestCase):
         with station() as running:
             web = Browser(running)
             wait_until(lambda: all_good(web, "north") and all_good(web, "south"), SECONDS, running.log)
+            wait_until(lambda: web.get("/api/sites")["stream"]["connected"], SECONDS, running.log)
             began = time.time()
             server.kill()
+            self.addCleanup(lambda: server.process.poll() is None or server.start())
             reason = wait_until(lambda: (stream := web.get("/api/sites")["stream"]) and not stream["connected"] and stream["reason"], SECONDS, running.log)
             self.assertIn("disconnected", reason)
             self.assertEqual(metric(web, "stream_connected"), 0)

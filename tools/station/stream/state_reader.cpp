@@ -1,4 +1,6 @@
 // The thread that reads alarms and the reports of sites, and passes on the state of all of them.
+#include <set>
+
 #include "bridge/base/clock.hpp"
 #include "tools/forward/outlet/nats/subject.hpp"
 #include "tools/station/live/domain_inbox.hpp"
@@ -91,6 +93,11 @@ class StateReader {
       if (status != NATS_OK) return alarms_.reset();
       const auto alarm = reader_.alarm_of(received);
       if (!alarm) continue;
+      // The station refuses actions on alarms of the sites that it knows.
+      const std::string& bus = alarm->alarm.bus;
+      if (sites_of_alarms_.size() < SiteRegistry::kMaxSites &&
+          sites_of_alarms_.insert(bus.substr(0, bus.find(':'))).second)
+        pass_states(true);
       inbox_.put(live_alarm(*alarm));
       if (recorder_ != nullptr) recorder_->on_alarm_status(*alarm, read_clocks().utc);
     }
@@ -119,6 +126,7 @@ class StateReader {
   forward::NatsSubscription alarms_;
   Instant next_{}, next_attempt_{};
   std::optional<LiveStream> told_;
+  std::set<std::string> sites_of_alarms_;
 };
 
 }  // namespace

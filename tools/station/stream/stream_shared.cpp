@@ -109,7 +109,11 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
 std::optional<StationAlarmStatus> MessageReader::alarm_of(natsMsg* from) {
   const StreamMessage message = message_of(from, stored_at_of(from));
   auto alarm = decode_alarm(message);
-  if (alarm) return *std::move(alarm);
+  if (alarm) {
+    const std::string& bus = alarm->alarm.bus;
+    shared_.sites.heard(bus.substr(0, bus.find(':')), message.stored_at);
+    return *std::move(alarm);
+  }
   refuse(message, alarm.error());
   return std::nullopt;
 }
