@@ -10,14 +10,14 @@ std::vector<UtcTime> stored_times(const StreamBatch& batch) {
   const auto is_timed = [latest](const forward::BatchSample& sample) {
     return sample.quality == Quality::kGood && sample.acquired_at <= latest;
   };
-  UtcTime bound = batch.stored_at;
-  if (batch.is_late) {
-    UtcTime newest;
-    for (const forward::BatchSample& sample : samples) {
-      if (sample.acquired_at <= latest) newest = std::max(newest, sample.acquired_at);
-    }
-    bound = std::min(bound, newest);
+  UtcTime newest, newest_good;
+  for (const forward::BatchSample& sample : samples) {
+    if (sample.acquired_at <= latest) newest = std::max(newest, sample.acquired_at);
+    if (is_timed(sample)) newest_good = std::max(newest_good, sample.acquired_at);
   }
+  UtcTime bound = batch.is_late ? newest : batch.stored_at;
+  if (newest_good != UtcTime{}) bound = newest_good;
+  bound = std::min(bound, batch.stored_at);
   std::vector<UtcTime> times(samples.size());
   for (std::size_t i = samples.size(); i-- > 0;) {
     const bool is_last = i + 1 == samples.size() || samples[i + 1].channel != samples[i].channel;

@@ -107,7 +107,8 @@ TEST(StoredTimes, ABadSampleIsBetweenItsNeighbours) {
   EXPECT_THAT(stored_times(batch_of({sample(1), sample(1, Quality::kBadFrame), sample(5)}, at(9))),
               ElementsAre(at(1), UtcTime{at(5).nanoseconds - 1}, at(5)));
   EXPECT_THAT(stored_times(batch_of({sample(1), sample(1, Quality::kBadFrame)}, at(9))),
-              ElementsAre(at(1), at(9)));
+              ElementsAre(at(1), at(1)));
+  EXPECT_THAT(stored_times(batch_of({sample(1, Quality::kBadFrame)}, at(9))), ElementsAre(at(9)));
 }
 
 TEST(StoredTimes, ALateBadSampleIsNotStoredAtTheTimeOfItsArrival) {
