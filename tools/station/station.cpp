@@ -24,6 +24,7 @@
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
+#include "tools/station/stream/stream_reader.hpp"
 #include "tools/station/web/site.hpp"
 #include "tools/station/web/station_server.hpp"
 #include "tools/station/wiring.hpp"
@@ -89,6 +90,7 @@ struct WebStation::State {
   std::unique_ptr<Authenticator> logins;
   std::unique_ptr<Tokens> tokens;
   std::unique_ptr<LiveDomain> domain;
+  std::unique_ptr<StreamReader> stream;
   std::unique_ptr<Site> site;
   std::unique_ptr<UserWatch> users;
   std::unique_ptr<StationServer> server;
@@ -115,6 +117,9 @@ std::optional<BackfillSpec> WebStation::State::backfill() const {
 void WebStation::State::join_domain() {
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
                                         recorder.get(), backfill());
+  if (spec.stream)
+    stream = std::make_unique<StreamReader>(*spec.stream, spec.name, domain->inbox(), store.get(),
+                                            recorder.get());
   servers_from = steady_now() + kServersReply;
 }
 
@@ -174,13 +179,14 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
   users->look();
   add_page_routes(site->routes(), page_files());
-  add_routes(site->routes(), {.model = &domain->model(),
-                              .commands = &domain->commands(),
-                              .database = database.get(),
-                              .store = store.get(),
-                              .recorder = recorder.get(),
-                              .now = utc_now,
-                              .metrics = [this] { return metrics_of(*domain, *server); }});
+  add_routes(site->routes(),
+             {.model = &domain->model(),
+              .commands = &domain->commands(),
+              .database = database.get(),
+              .store = store.get(),
+              .recorder = recorder.get(),
+              .now = utc_now,
+              .metrics = [this] { return metrics_of(*domain, stream.get(), *server); }});
 }
 
 void WebStation::State::tell_servers() {
@@ -274,6 +280,8 @@ void WebStation::stop() {
   s.busy = "waiting for the store's questions";
   s.logins.reset();
   s.database.reset();
+  s.busy = "leaving the stream";
+  s.stream.reset();
   s.busy = "leaving the DDS domain";
   s.io.run([&] {
     s.server.reset();

@@ -6,7 +6,45 @@
 
 namespace fieldcast::web {
 
-std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& server) {
+namespace {
+
+void add_stream_metrics(const LiveObjects& objects, const StreamReader::Counters& counters,
+                        std::vector<Metric>& all) {
+  const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
+    all.push_back({name, counter, help, static_cast<double>(value)});
+  };
+  const auto streams = objects.all<LiveStream>();
+  add("stream_connected", false, "1 while the stream of the sites can be read.",
+      !streams.empty() && streams.front()->connected);
+  add("stream_messages_total", true, "Messages with present samples of sites.", counters.messages);
+  add("stream_refused_messages_total", true, "Messages of sites that could not be decoded.",
+      counters.refused);
+  add("stream_recorded_samples_total", true, "Samples of sites handed to the store.",
+      counters.recorded);
+  add("stream_repeated_samples_total", true, "Samples of sites that were received before.",
+      counters.repeated);
+  const std::vector<const LiveSite*> sites = objects.all<LiveSite>();
+  const auto add_all = [&](const char* name, const char* help, auto value) {
+    for (const LiveSite* site : sites)
+      all.push_back({name, false, help, static_cast<double>(value(*site)), site->site});
+  };
+  add_all("site_connected", "1 if the site was heard in the last 30 s.",
+          [](const LiveSite& site) { return site.connected; });
+  add_all("site_heard_timestamp_seconds", "When the site was last heard, by the server's clock.",
+          [](const LiveSite& site) { return to_seconds(Duration{site.heard_at.nanoseconds}); });
+  add_all("site_backlog_records", "Messages that wait at the site.",
+          [](const LiveSite& site) { return site.backlog_records; });
+  add_all("site_clock_ahead_seconds",
+          "By how much the server's clock was ahead of the site's at its last report.",
+          [](const LiveSite& site) { return to_seconds(site.clock_ahead); });
+  add_all("site_refused_messages", "Messages of the site that could not be decoded.",
+          [](const LiveSite& site) { return site.refused; });
+}
+
+}  // namespace
+
+std::vector<Metric> metrics_of(const LiveDomain& domain, const StreamReader* stream,
+                               const StationServer& server) {
   std::vector<Metric> all;
   const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
     all.push_back({name, counter, help, static_cast<double>(value)});
@@ -31,6 +69,7 @@ std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& se
     offset = std::max(offset, std::chrono::abs(bus->clock_ahead.value_or(Duration{})));
   add("largest_clock_offset_seconds", false,
       "Largest difference between the clocks of this station and of a bridge.", to_seconds(offset));
+  if (stream != nullptr) add_stream_metrics(domain.model().objects(), stream->counters(), all);
   const StationCounters web = server.counters();
   add("connections_total", true, "HTTP connections accepted.", web.connections);
   add("connections", false, "HTTP connections now.", web.open);

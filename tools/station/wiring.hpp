@@ -9,12 +9,14 @@
 #include "tools/station/api/administration.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/settings/configuration.hpp"
+#include "tools/station/stream/stream_reader.hpp"
 #include "tools/station/web/site.hpp"
 #include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 
-[[nodiscard]] std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& server);
+[[nodiscard]] std::vector<Metric> metrics_of(const LiveDomain& domain, const StreamReader* stream,
+                                             const StationServer& server);
 
 // Empty if clients must log in. `users`: number of users; empty if unknown.
 [[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,

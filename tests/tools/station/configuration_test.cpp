@@ -41,6 +41,27 @@ TEST(StationConfiguration, EverythingHasADefault) {
   EXPECT_EQ(loaded->sites, std::vector<DdsSite>{DdsSite{}});
 }
 
+TEST(StationConfiguration, AStreamHasTheKeysOfAForwarder) {
+  EXPECT_FALSE(load("station: hall\n")->stream);
+  const auto loaded = load(R"(
+station: hall
+stream: { servers: ["tls://nats.example:4222"], authority: ca.pem, user: hall, password-file: p, sample-stream: PLANTS }
+)");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  ASSERT_TRUE(loaded->stream);
+  EXPECT_THAT(loaded->stream->servers, ElementsAre("tls://nats.example:4222"));
+  EXPECT_EQ(loaded->stream->user, "hall");
+  EXPECT_EQ(loaded->stream->sample_stream, "PLANTS");
+  EXPECT_EQ(loaded->stream->site_bucket, "fieldcast-sites");
+}
+
+TEST(StationConfiguration, AStreamOffThisMachineNeedsTls) {
+  EXPECT_THAT(faults("stream: { servers: [\"nats://nats.example:4222\"] }\n"),
+              ElementsAre(HasSubstr("without TLS")));
+  EXPECT_THAT(faults("stream: { acknowledgement: 3s }\n"),
+              ElementsAre(HasSubstr("acknowledgement")));
+}
+
 TEST(StationConfiguration, EveryKeyIsRead) {
   const auto loaded = load(R"(
 station: hall

@@ -1,6 +1,7 @@
 // The payloads as protobuf (forward.proto) and back, for the queue and for the wire. Pure.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,9 @@ inline constexpr std::uint32_t kSchema = 1;
 [[nodiscard]] std::string encode(std::string_view site, const DeviceCatalogue& catalogue);
 [[nodiscard]] std::string encode(std::string_view site, const StationAlarmStatus& alarm);
 [[nodiscard]] std::string encode(std::string_view site, const AuditReport& entry);
+
+// The version of a message; empty if the text does not begin as one.
+[[nodiscard]] std::optional<std::uint64_t> schema_of(std::string_view text);
 
 // Empty for a text that is not such a message, or whose columns do not match. Without bus and
 // device, which the subject names.

@@ -213,6 +213,22 @@ std::string encode(const SampleBatch& batch) {
   return out.SerializeAsString();
 }
 
+// The field has number 1 and is written first: 08, and then a varint.
+std::optional<std::uint64_t> schema_of(std::string_view text) {
+  constexpr char kField = 0x08;
+  constexpr unsigned kMore = 0x80;
+  if (text.empty() || text.front() != kField) return std::nullopt;
+  std::uint64_t schema = 0;
+  unsigned shift = 0;
+  for (const char c : text.substr(1)) {
+    const auto byte = static_cast<unsigned char>(c);
+    schema |= std::uint64_t{byte & ~kMore} << shift;
+    if ((byte & kMore) == 0) return schema;
+    if ((shift += 7) > 63) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 std::optional<SampleBatch> decode_samples(std::string_view text) {
   v1::SampleBatch from;
   if (!from.ParseFromArray(text.data(), static_cast<int>(text.size()))) return std::nullopt;

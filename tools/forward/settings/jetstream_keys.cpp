@@ -1,11 +1,8 @@
 #include "tools/forward/settings/jetstream_keys.hpp"
 
-#include <fmt/format.h>
+#include <utility>
 
-#include "config/document/limits.hpp"
-#include "config/document/scalars.hpp"
-#include "tools/forward/settings/login_keys.hpp"
-#include "tools/forward/settings/servers_key.hpp"
+#include "tools/forward/settings/connection_keys.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -18,31 +15,6 @@ using config::Rows;
 constexpr Duration kLeastWait = std::chrono::milliseconds{100};
 constexpr Duration kMostWait = std::chrono::minutes{5};
 constexpr Duration kMostDuplicates = std::chrono::hours{24 * 7};
-
-void check_login(MapReader& map, const JetStreamSpec& spec) {
-  check_pair(map, "certificate", spec.certificate, "key", spec.key, "both, as PEM files");
-  check_pair(map, "user", spec.user, "password-file", spec.password_file, "both");
-  const int logins = (spec.password_file.empty() ? 0 : 1) + (spec.token_file.empty() ? 0 : 1) +
-                     (spec.credentials.empty() ? 0 : 1);
-  if (logins > 1)
-    map.fault("servers", "more than one login",
-              "one of: user with password-file, token-file, credentials");
-  const bool has_files = !spec.authority.empty() || !spec.certificate.empty();
-  if (has_files && !uses_tls(spec))
-    map.fault("servers", "'authority' or 'certificate' without a server tls://HOST:PORT",
-              "servers: [tls://HOST:PORT]");
-}
-
-void check_names(MapReader& map, const JetStreamSpec& spec) {
-  for (const auto& [key, name] :
-       {std::pair{"sample-stream", spec.sample_stream},
-        std::pair{"alarm-stream", spec.alarm_stream}, std::pair{"audit-stream", spec.audit_stream},
-        std::pair{"bucket", spec.bucket}, std::pair{"site-bucket", spec.site_bucket}}) {
-    if (name.find('.') != name.npos)
-      map.fault(key, fmt::format("{} '{}' contains '.', which NATS does not allow", key, name),
-                "letters, digits, '-' and '_'");
-  }
-}
 
 const Rows<StreamSpec>& stream_rows() {
   static const Rows<StreamSpec> rows(
@@ -70,59 +42,28 @@ const Rows<StreamSpec>& stream_rows() {
   return rows;
 }
 
+std::vector<config::Field<JetStreamSpec>> jetstream_fields() {
+  std::vector<config::Field<JetStreamSpec>> fields = connection_fields();
+  fields.push_back(field<JetStreamSpec>(
+      {.name = "acknowledgement",
+       .fallback = "`5s`",
+       .text = "a message without an acknowledgement in this time is sent "
+               "again"},
+      &JetStreamSpec::acknowledgement, config::DurationRule{kLeastWait, kMostWait}));
+  for (auto& each : stream_name_fields(", if it is created")) fields.push_back(std::move(each));
+  fields.push_back(field<JetStreamSpec>({.name = "audit-stream",
+                                         .fallback = "`FIELDCAST_AUDIT`",
+                                         .text = "the name, if it is created"},
+                                        &JetStreamSpec::audit_stream, config::NameRule{}));
+  fields.push_back({{.name = "streams",
+                     .fallback = "used, not created",
+                     .text = "how missing streams are created",
+                     .schema = "{}"}});
+  return fields;
+}
+
 const Rows<JetStreamSpec>& jetstream_rows() {
-  const auto text = [](const char* name, const char* fallback, const char* what) {
-    return config::Field<JetStreamSpec>{
-        {.name = name, .fallback = fallback, .text = what, .schema = "{}"}};
-  };
-  static const Rows<JetStreamSpec> rows(
-      "jetstream", "'jetstream'",
-      {
-          text("servers", "`[nats://127.0.0.1:4222]`",
-               "of one cluster, each `nats://HOST:PORT` or `tls://HOST:PORT`; off this machine "
-               "with TLS"),
-          text("authority", "those of the system",
-               "a PEM file with the authorities of the servers' certificates"),
-          text("certificate", "none", "a PEM file with the certificate of this client"),
-          text("key", "none", "a PEM file with its private key"),
-          field<JetStreamSpec>({.name = "user", .fallback = "none", .text = "with `password-file`"},
-                               &JetStreamSpec::user, config::TextRule{256}),
-          text("password-file", "none", "a file whose first line is the password"),
-          text("token-file", "none", "a file whose first line is the token"),
-          text("credentials", "none", "a file with a JWT and its key, as `nsc` makes it"),
-          field<JetStreamSpec>({.name = "without-tls",
-                                .fallback = "`false`",
-                                .text = "allows `nats://` off this machine: values and the login "
-                                        "are readable in the network"},
-                               &JetStreamSpec::without_tls, config::FlagRule{}),
-          field<JetStreamSpec>({.name = "acknowledgement",
-                                .fallback = "`5s`",
-                                .text = "a message without an acknowledgement in this time is sent "
-                                        "again"},
-                               &JetStreamSpec::acknowledgement,
-                               config::DurationRule{kLeastWait, kMostWait}),
-          field<JetStreamSpec>({.name = "sample-stream",
-                                .fallback = "`FIELDCAST`",
-                                .text = "the name, if it is created"},
-                               &JetStreamSpec::sample_stream, config::NameRule{}),
-          field<JetStreamSpec>({.name = "alarm-stream",
-                                .fallback = "`FIELDCAST_ALARMS`",
-                                .text = "the name, if it is created"},
-                               &JetStreamSpec::alarm_stream, config::NameRule{}),
-          field<JetStreamSpec>({.name = "audit-stream",
-                                .fallback = "`FIELDCAST_AUDIT`",
-                                .text = "the name, if it is created"},
-                               &JetStreamSpec::audit_stream, config::NameRule{}),
-          field<JetStreamSpec>({.name = "bucket",
-                                .fallback = "`fieldcast-catalogue`",
-                                .text = "the key-value bucket of the catalogues"},
-                               &JetStreamSpec::bucket, config::NameRule{}),
-          field<JetStreamSpec>({.name = "site-bucket",
-                                .fallback = "`fieldcast-sites`",
-                                .text = "the key-value bucket of the states of all sites"},
-                               &JetStreamSpec::site_bucket, config::NameRule{}),
-          text("streams", "used, not created", "how missing streams are created"),
-      });
+  static const Rows<JetStreamSpec> rows("jetstream", "'jetstream'", jetstream_fields());
   return rows;
 }
 
@@ -132,16 +73,7 @@ OutletSpec read_jetstream(MapReader& file, const Node& section, config::Library&
   JetStreamSpec spec;
   MapReader map(section, jetstream_rows(), file.faults());
   jetstream_rows().read(map, spec);
-  read_servers(map, "nats", spec.without_tls, spec.servers);
-  read_files(map, library,
-             {{"authority", &spec.authority},
-              {"certificate", &spec.certificate},
-              {"key", &spec.key},
-              {"password-file", &spec.password_file},
-              {"token-file", &spec.token_file},
-              {"credentials", &spec.credentials}});
-  check_login(map, spec);
-  check_names(map, spec);
+  read_connection(map, spec, library);
   if (const Node* streams = map.find("streams"); streams != nullptr) {
     MapReader inner(*streams, stream_rows(), file.faults());
     stream_rows().read(inner, spec.streams);

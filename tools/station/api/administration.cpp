@@ -13,10 +13,17 @@ namespace fieldcast::web {
 
 std::string metrics_text(const std::vector<Metric>& metrics) {
   std::string text;
+  std::string_view described;
   for (const Metric& metric : metrics) {
-    text += fmt::format("# HELP fieldcast_station_{0} {1}\n# TYPE fieldcast_station_{0} {2}\n",
-                        metric.name, metric.help, metric.counter ? "counter" : "gauge");
-    text += fmt::format("fieldcast_station_{} {}\n", metric.name, metric.value);
+    if (described != metric.name)
+      text += fmt::format("# HELP fieldcast_station_{0} {1}\n# TYPE fieldcast_station_{0} {2}\n",
+                          metric.name, metric.help, metric.counter ? "counter" : "gauge");
+    described = metric.name;
+    std::string label;
+    // The escapes of a JSON text are those of a label.
+    if (!metric.site.empty()) append_json_text(label, metric.site);
+    if (!label.empty()) label = "{site=" + label + '}';
+    text += fmt::format("fieldcast_station_{}{} {}\n", metric.name, label, metric.value);
   }
   return text;
 }

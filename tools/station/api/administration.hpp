@@ -20,6 +20,7 @@ struct Metric {
   bool counter;      // false: gauge
   const char* help;
   double value;
+  std::string site{};  // its label; empty: none. Metrics of one name follow each other.
 };
 [[nodiscard]] std::string metrics_text(const std::vector<Metric>& metrics);
 

@@ -100,6 +100,19 @@ void show_bridges(const Api& api, const HttpRequest& request, const Caller&, con
   show_all<StationBridge>(api, request, reply, bridge_json);
 }
 
+void show_sites(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
+  const LiveObjects& objects = api.model->objects();
+  const auto append = [](std::string& out, const LiveSite* site) { out += site_json(*site); };
+  const auto streams = objects.all<LiveStream>();
+  reply(json_response(
+      JsonObject()
+          .add_json("stream", streams.empty() ? "null" : stream_json(*streams.front()))
+          .add_json("sites", json_array(objects.all<LiveSite>(), append))
+          .take(),
+      request.accepts_gzip));
+}
+
 namespace {
 
 constexpr std::uint32_t kMostEvents = 10'000;

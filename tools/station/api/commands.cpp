@@ -43,6 +43,7 @@ void write_value(const Api& api, const HttpRequest& request, const Caller& calle
   if (live == nullptr || live->gone)
     return reply(error_response(404, "no bridge announces this channel",
                                 "GET /api/channels lists those that are there"));
+  if (live->origin == Origin::kStream) return reply(refused(409, refusal_of_stream(path.bus)));
   auto value = value_for(live->channel.type, write->value);
   if (!value) return reply(refused(400, value.error()));
   const auto id =
@@ -52,15 +53,19 @@ void write_value(const Api& api, const HttpRequest& request, const Caller& calle
 
 namespace {
 
-void act_on_alarms(AlarmActionKind kind, CommandSink& commands, const HttpRequest& request,
+void act_on_alarms(AlarmActionKind kind, const Api& api, const HttpRequest& request,
                    const Caller& caller, const Reply& reply) {
   const auto body = body_of(request);
   if (!body) return reply(body.error());
   auto actions = alarm_actions(kind, *body);
   if (!actions) return reply(std::move(actions.error()));
+  for (const AlarmAction& action : *actions) {
+    const std::string& bus = action.alarm.bus;
+    if (api.model->objects().is_of_stream(bus)) return reply(refused(409, refusal_of_stream(bus)));
+  }
   std::vector<std::uint64_t> ids;
   for (AlarmAction& action : *actions) {
-    const auto id = commands.submit(caller, std::move(action), {});
+    const auto id = api.commands->submit(caller, std::move(action), {});
     // The previous actions are in flight; repeating the request acknowledges twice without effect.
     if (!id) return reply(refused(503, id.error()));
     ids.push_back(*id);
@@ -72,29 +77,30 @@ void act_on_alarms(AlarmActionKind kind, CommandSink& commands, const HttpReques
 
 void acknowledge_alarms(const Api& api, const HttpRequest& request, const Caller& caller,
                         const Reply& reply) {
-  act_on_alarms(AlarmActionKind::kAcknowledge, *api.commands, request, caller, reply);
+  act_on_alarms(AlarmActionKind::kAcknowledge, api, request, caller, reply);
 }
 
 void shelve_alarms(const Api& api, const HttpRequest& request, const Caller& caller,
                    const Reply& reply) {
-  act_on_alarms(AlarmActionKind::kShelve, *api.commands, request, caller, reply);
+  act_on_alarms(AlarmActionKind::kShelve, api, request, caller, reply);
 }
 
 void unshelve_alarms(const Api& api, const HttpRequest& request, const Caller& caller,
                      const Reply& reply) {
-  act_on_alarms(AlarmActionKind::kUnshelve, *api.commands, request, caller, reply);
+  act_on_alarms(AlarmActionKind::kUnshelve, api, request, caller, reply);
 }
 
 namespace {
 
-void act_on_device(Checked<AlarmAction> (*action_in)(const nlohmann::json& body),
-                   CommandSink& commands, const HttpRequest& request, const Caller& caller,
-                   const Reply& reply) {
+void act_on_device(Checked<AlarmAction> (*action_in)(const nlohmann::json& body), const Api& api,
+                   const HttpRequest& request, const Caller& caller, const Reply& reply) {
   const auto body = body_of(request);
   if (!body) return reply(body.error());
   auto action = action_in(*body);
   if (!action) return reply(std::move(action.error()));
-  const auto id = commands.submit(caller, *std::move(action), {});
+  const std::string& bus = action->alarm.bus;
+  if (api.model->objects().is_of_stream(bus)) return reply(refused(409, refusal_of_stream(bus)));
+  const auto id = api.commands->submit(caller, *std::move(action), {});
   reply(id ? accepted({*id}) : refused(503, id.error()));
 }
 
@@ -102,12 +108,12 @@ void act_on_device(Checked<AlarmAction> (*action_in)(const nlohmann::json& body)
 
 void maintain_device(const Api& api, const HttpRequest& request, const Caller& caller,
                      const Reply& reply) {
-  act_on_device(maintenance_action, *api.commands, request, caller, reply);
+  act_on_device(maintenance_action, api, request, caller, reply);
 }
 
 void end_session(const Api& api, const HttpRequest& request, const Caller& caller,
                  const Reply& reply) {
-  act_on_device(end_of_session, *api.commands, request, caller, reply);
+  act_on_device(end_of_session, api, request, caller, reply);
 }
 
 void show_result(const Api& api, const HttpRequest& request, const Caller& caller,

@@ -163,6 +163,13 @@ constexpr std::array kKinds{Kind{"subscribe", parse_subscribe},
 
 }  // namespace
 
+Refusal refusal_of_stream(std::string_view bus) {
+  const std::string site(bus.substr(0, bus.find(':')));
+  return {"site " + printable(site, kShown) + " is read from the stream, which carries no commands",
+          "write at the site, or send a request to fieldcast-command." + printable(site, kShown) +
+              ".USER, if its forwarder allows commands"};
+}
+
 ParsedMessage parse_client_message(std::string_view text) {
   const auto fault = [](std::optional<std::uint64_t> id, Refusal refusal) {
     return tl::unexpected(MessageFault{id, std::move(refusal)});

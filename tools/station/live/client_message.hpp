@@ -50,6 +50,8 @@ struct ClientMessage {
 struct Refusal {
   std::string error, hint;
 };
+// Of commands and actions for a bus of a site that is read from the stream.
+[[nodiscard]] Refusal refusal_of_stream(std::string_view bus);
 struct MessageFault {
   std::optional<std::uint64_t> id;
   Refusal refusal;

@@ -26,22 +26,35 @@ DomainInbox::PathNews* DomainInbox::news_of(const PathView& path) {
   return &news;
 }
 
-void DomainInbox::on_channel(const StationChannel& channel) {
+void DomainInbox::on_channel(const StationChannel& channel, Origin origin) {
   apply([&] {
     PathNews* const news = news_of({channel.bus, channel.device, channel.channel});
-    if (news != nullptr) news->channel = std::make_unique<StationChannel>(channel);
-    return news != nullptr;
+    if (news == nullptr) return false;
+    news->channel = std::make_unique<StationChannel>(channel);
+    news->origin = origin;
+    return true;
   });
 }
 
 void DomainInbox::on_sample(const StationSample& sample) {
+  on_value({sample.bus, sample.device, sample.channel},
+           {sample.value, sample.quality, sample.device_code, sample.acquired_at, sample.sequence});
+}
+
+void DomainInbox::on_value(const PathView& path, LiveValue value) {
   apply([&] {
     ++counters_.samples;
-    PathNews* const news = news_of({sample.bus, sample.device, sample.channel});
+    PathNews* const news = news_of(path);
     if (news == nullptr) return false;
     if (std::exchange(news->has_value, true)) ++counters_.overtaken;
-    news->value = {sample.value, sample.quality, sample.device_code, sample.acquired_at,
-                   sample.sequence};
+    news->value = std::move(value);
+    return true;
+  });
+}
+
+void DomainInbox::on_silent(const std::string& site) {
+  apply([&] {
+    batch_.silent.insert(site);
     return true;
   });
 }
@@ -83,9 +96,10 @@ void DomainInbox::deliver(LiveModel& model, Instant now) {
   }
   for (PathNews& news : batch.paths) {
     if (news.gone) model.on_gone(news.path);
-    if (news.channel) model.on_channel(*news.channel);
+    if (news.channel) model.on_channel(*news.channel, news.origin);
     if (news.has_value) model.on_sample(news.path, std::move(news.value), now);
   }
+  for (const std::string& site : batch.silent) model.on_silent(site);
   for (auto& [key, news] : batch.objects)
     news.gone ? model.remove(news.object) : model.put(std::move(news.object));
 }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -26,9 +27,11 @@ class DomainInbox {
 
   explicit DomainInbox(Wake wake) : wake_(std::move(wake)) {}
 
-  void on_channel(const StationChannel& channel);
+  void on_channel(const StationChannel& channel, Origin origin = Origin::kDds);
   void on_sample(const StationSample& sample);
+  void on_value(const PathView& path, LiveValue value);
   void on_gone(const std::string& bus, const std::string& device, const std::string& channel);
+  void on_silent(const std::string& site);  // of the stream
   void put(LiveObject object) { put_news({std::move(object), false}); }
   void remove(LiveObject last) { put_news({std::move(last), true}); }
 
@@ -48,6 +51,7 @@ class DomainInbox {
     ChannelPath path;
     bool gone = false;
     std::unique_ptr<StationChannel> channel;
+    Origin origin = Origin::kDds;
     bool has_value = false;
     LiveValue value;
   };
@@ -59,6 +63,7 @@ class DomainInbox {
     std::deque<PathNews> paths;
     std::unordered_map<PathView, PathNews*, PathHash, PathEqual> by_path;
     std::map<std::string, ObjectNews> objects;
+    std::set<std::string> silent;  // sites; the stream has a bounded number
   };
   // Returns null if the inbox is full. REQUIRES: mutex_ is held.
   PathNews* news_of(const PathView& path);

@@ -167,6 +167,7 @@ LiveDomain::~LiveDomain() {
 const LiveModel& LiveDomain::model() const { return state_->model; }
 CommandController& LiveDomain::commands() { return state_->desk; }
 LiveHub& LiveDomain::hub() { return state_->hub; }
+DomainInbox& LiveDomain::inbox() { return state_->inbox; }
 
 MakeLiveProtocol LiveDomain::make_protocol() {
   return [this](const Caller& caller, LivePeer& peer) { return state_->hub.make(caller, peer); };

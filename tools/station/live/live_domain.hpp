@@ -33,6 +33,8 @@ class LiveDomain {
   [[nodiscard]] const LiveModel& model() const;
   [[nodiscard]] CommandController& commands();
   [[nodiscard]] LiveHub& hub();
+  // For further sources of channels and values.
+  [[nodiscard]] DomainInbox& inbox();
   // Creates the protocol of each WebSocket. They must be destroyed before this object.
   [[nodiscard]] MakeLiveProtocol make_protocol();
 

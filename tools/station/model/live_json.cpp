@@ -209,6 +209,28 @@ std::string bridge_json(const StationBridge& bridge) {
       .take();
 }
 
+std::string site_json(const LiveSite& site) {
+  JsonObject json;
+  json.add("site", site.site)
+      .add("connected", site.connected)
+      .add("heard_ms", site.heard_at)
+      .add("reported_ms", site.reported_at)
+      .add("backlog_records", site.backlog_records)
+      .add("backlog_bytes", site.backlog_bytes)
+      .add("backlog_since_ms", site.oldest_at)
+      .add("samples", site.samples)
+      .add("late_samples", site.late_samples)
+      .add("lost_samples", site.lost_samples)
+      .add("refused_messages", site.refused);
+  if (site.reported_at.nanoseconds != 0)
+    json.add("clock_ahead_ms", to_seconds(site.clock_ahead) * 1e3);
+  return json.take();
+}
+
+std::string stream_json(const LiveStream& stream) {
+  return JsonObject().add("connected", stream.connected).add("reason", stream.reason).take();
+}
+
 std::string read_plan_json(const StationReadPlan& plan) {
   const PlanReport& report = plan.plan;
   JsonObject json;

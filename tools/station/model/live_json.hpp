@@ -16,6 +16,8 @@ namespace fieldcast::web {
 [[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
 [[nodiscard]] std::string session_json(const LiveSession& live);
 [[nodiscard]] std::string bridge_json(const StationBridge& bridge);
+[[nodiscard]] std::string site_json(const LiveSite& site);
+[[nodiscard]] std::string stream_json(const LiveStream& stream);
 // {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups":
 // [{"device", "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first",
 // "count", "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Slot and

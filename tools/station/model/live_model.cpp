@@ -45,7 +45,7 @@ bool LiveModel::make_room() {
   return true;
 }
 
-void LiveModel::on_channel(const StationChannel& channel) {
+void LiveModel::on_channel(const StationChannel& channel, Origin origin) {
   const PathView path{channel.bus, channel.device, channel.channel};
   auto found = rows_.find(path);
   if (found == rows_.end()) {
@@ -63,6 +63,7 @@ void LiveModel::on_channel(const StationChannel& channel) {
   }
   Row& row = *found->second;
   row.live.channel = channel;
+  row.live.origin = origin;
   if (std::exchange(row.live.gone, false)) --gone_;
   row.left.reset();
   touch_catalogue(row);
@@ -98,6 +99,18 @@ void LiveModel::on_gone(const PathView& path) {
   touch_value(row);
 }
 
+void LiveModel::on_silent(const std::string& site) {
+  const std::string prefix = site + ':';
+  for (const auto& [path, row] : rows_) {
+    LiveChannel& live = row->live;
+    if (live.origin != Origin::kStream || live.gone || live.last.quality != Quality::kGood ||
+        !live.channel.bus.starts_with(prefix))
+      continue;
+    live.last.quality = Quality::kUncertain;
+    touch_value(*row);
+  }
+}
+
 std::size_t LiveModel::expire(Instant now) {
   std::size_t count = 0;
   std::vector<Row*> departed;
@@ -108,7 +121,8 @@ std::size_t LiveModel::expire(Instant now) {
       departed.push_back(row.get());
     const Duration refresh = live.channel.refresh;
     if (live.gone || live.last.quality != Quality::kGood || refresh <= Duration{}) continue;
-    if (now - live.arrived <= kPatienceRefreshes * refresh + kPatience) continue;
+    const Duration patience = live.origin == Origin::kStream ? kStreamPatience : kPatience;
+    if (now - live.arrived <= kPatienceRefreshes * refresh + patience) continue;
     live.last.quality = Quality::kUncertain;
     touch_value(*row);
     ++count;

@@ -55,8 +55,15 @@ struct LiveValue {
   std::uint64_t sequence = 0;  // 0: no sample received
 };
 
+// From where a channel is received.
+enum class Origin : std::uint8_t {
+  kDds,
+  kStream,  // of a site that is read from the stream: it cannot be written
+};
+
 struct LiveChannel {
   std::uint32_t id = 0;
+  Origin origin = Origin::kDds;
   StationChannel channel;
   LiveValue last;
   Instant arrived{};             // arrival of the value at this station
@@ -84,12 +91,14 @@ class LiveModel {
   LiveModel(const LiveModel&) = delete;
   LiveModel& operator=(const LiveModel&) = delete;
 
-  void on_channel(const StationChannel& channel);
+  void on_channel(const StationChannel& channel, Origin origin = Origin::kDds);
   // Ignores a sample of a channel outside the catalogue. `now`: its arrival.
   void on_sample(const PathView& path, LiveValue value, Instant now);
   void on_sample(const StationSample& sample, Instant now = {});
   // A good value becomes uncertain.
   void on_gone(const PathView& path);
+  // Good values of a site of the stream become uncertain: it was not heard for a while.
+  void on_silent(const std::string& site);
   // Makes overdue good values uncertain and forgets at most kMostForgotten old channels. Call it
   // once a second. Returns the number of values that became uncertain.
   std::size_t expire(Instant now);
@@ -98,6 +107,8 @@ class LiveModel {
   // A value is overdue after this many refreshes, and at least after this time for the transport.
   static constexpr int kPatienceRefreshes = 2;
   static constexpr Duration kPatience = std::chrono::seconds{2};
+  // Of the stream: a forwarder gathers samples and may be reconnecting.
+  static constexpr Duration kStreamPatience = std::chrono::seconds{30};
   void put(LiveObject object) { objects_.put(std::move(object)); }
   void remove(const LiveObject& object) { objects_.remove(object); }
 

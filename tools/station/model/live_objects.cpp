@@ -27,6 +27,8 @@ struct KeyOf {
   }
   std::string operator()(const StationBridge& bridge) const { return joined('r', bridge.bridge); }
   std::string operator()(const StationReadPlan& plan) const { return joined('p', plan.bus); }
+  std::string operator()(const LiveSite& site) const { return joined('t', site.site); }
+  std::string operator()(const LiveStream&) const { return joined('m', {}); }
 };
 
 // Returns whether the reports differ only in details that the page does not show.
@@ -57,6 +59,12 @@ struct MessageOf {
   }
   std::string operator()(const StationReadPlan& plan) const {
     return kind_message("plan", names_json({{"bus", plan.bus}}));
+  }
+  std::string operator()(const LiveSite& site) const {
+    return kind_message("site", site_json(site));
+  }
+  std::string operator()(const LiveStream& stream) const {
+    return kind_message("stream", stream_json(stream));
   }
 };
 
@@ -203,6 +211,11 @@ void LiveObjects::remove(const LiveObject& object) {
 const StationReadPlan* LiveObjects::read_plan(const std::string& bus) const {
   const LiveObject* const found = present(joined('p', bus));
   return found == nullptr ? nullptr : &std::get<StationReadPlan>(*found);
+}
+
+bool LiveObjects::is_of_stream(const std::string& bus) const {
+  const std::size_t end = bus.find(':');
+  return end != bus.npos && present(joined('t', bus.substr(0, end))) != nullptr;
 }
 
 void LiveObjects::remove_entry(const std::string& key) {

@@ -47,8 +47,29 @@ struct LiveSession {
 };
 [[nodiscard]] LiveSession live_session(const ProgramRequestReport& report);
 
+// A site whose forwarder sends to the stream. Times without a remark are of its own clock.
+struct LiveSite {
+  std::string site;
+  bool connected = false;  // heard in the last 30 s
+  UtcTime heard_at;        // of its last message, by the clock of the server; 0: never
+  UtcTime reported_at;     // of its last report, by the clock of the server; 0: never
+  Duration clock_ahead{};  // of the server's clock, at its last report
+  std::uint64_t backlog_records = 0, backlog_bytes = 0;
+  UtcTime oldest_at;                                              // of the backlog; 0: it is empty
+  std::uint64_t samples = 0, late_samples = 0, lost_samples = 0;  // since the forwarder's start
+  std::uint64_t refused = 0;  // messages that this station could not decode
+  friend bool operator==(const LiveSite&, const LiveSite&) = default;
+};
+
+// The connection to the stream.
+struct LiveStream {
+  bool connected = false;
+  std::string reason;  // of a missing connection, or of a stream that cannot be read
+  friend bool operator==(const LiveStream&, const LiveStream&) = default;
+};
+
 using LiveObject = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm, LiveSession,
-                                StationBridge, StationReadPlan>;
+                                StationBridge, StationReadPlan, LiveSite, LiveStream>;
 // Kind and names, which are the same for each report of an object.
 [[nodiscard]] std::string key_of(const LiveObject& object);
 
@@ -68,6 +89,8 @@ class LiveObjects {
   void remove(const LiveObject& object);
 
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
+  // Returns whether the bus, "SITE:BUS", is of a site of the stream.
+  [[nodiscard]] bool is_of_stream(const std::string& bus) const;
 
   template <class Kind>
   [[nodiscard]] std::vector<const Kind*> all() const {

@@ -13,6 +13,7 @@
 #include "config/sections/program.hpp"
 #include "config/sections/store.hpp"
 #include "core/model/channel_pattern.hpp"
+#include "tools/forward/settings/connection_keys.hpp"
 #include "tools/station/settings/origin_check.hpp"
 
 namespace fieldcast::web {
@@ -136,6 +137,18 @@ const Rows<RecordSpec>& record_rows() {
   return rows;
 }
 
+const Rows<forward::JetStreamSpec>& stream_rows() {
+  static const Rows<forward::JetStreamSpec> rows = [] {
+    auto fields = forward::connection_fields();
+    for (auto& each : forward::stream_name_fields(" at the forwarders"))
+      fields.push_back(std::move(each));
+    return Rows<forward::JetStreamSpec>(
+        "stream", "'stream'", std::move(fields),
+        "Reads every site whose `fieldcast-forward` sends to this NATS JetStream.");
+  }();
+  return rows;
+}
+
 const Rows<StationSpec>& station_rows() {
   static const Rows<StationSpec> rows(
       "station", "the configuration",
@@ -149,6 +162,11 @@ const Rows<StationSpec>& station_rows() {
             .fallback = "the one of `dds`",
             .text = "several sites, instead of `dds`: a list of `{ name: N, dds: { .. } }`; "
                     "the name stands before those of its buses, `north:line-7`",
+            .schema = "{}"}},
+          {{.name = "stream",
+            .fallback = "none is read",
+            .text = "sites whose `fieldcast-forward` sends to NATS JetStream, in addition to `dds` "
+                    "or `sites`: `servers`, ..",
             .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},
@@ -184,6 +202,15 @@ void read_web(MapReader& file, StationSpec& spec, config::Library& library,
   read_texts(map, "hosts", "a name such as station.plant", spec.web.hosts, fault_of_host);
   read_texts(map, "embed", "an address such as https://wiki.plant", spec.web.embed, fault_of_site);
   check([&](std::string_view key) { return map.position_of(key); });
+}
+
+void read_stream(MapReader& file, StationSpec& spec, config::Library& library) {
+  const Node* node = file.find("stream");
+  if (node == nullptr) return;
+  MapReader map(*node, stream_rows(), file.faults());
+  spec.stream.emplace();
+  stream_rows().read(map, *spec.stream);
+  forward::read_connection(map, *spec.stream, library);
 }
 
 void read_record(MapReader& file, StationSpec& spec) {
@@ -240,8 +267,8 @@ std::vector<Exposure> exposures_of(const StationSpec& spec) {
 LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                 const config::FileReader& reader,
                                 const std::optional<ListenSpec>& listen, config::Places* places) {
-  if (!config::is_empty(text) &&
-      !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record", "sites"}))
+  if (!config::is_empty(text) && !config::has_top_key(text, {"station", "dds", "log", "web",
+                                                             "store", "record", "sites", "stream"}))
     return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
   const std::shared_ptr<const config::Document> document =
@@ -253,6 +280,7 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     MapReader file(*document->root, station_rows(), faults);
     station_rows().read(file, spec);
     spec.sites = read_sites(file, library);
+    read_stream(file, spec, library);
     read_log(file, spec.log);
     read_store(file, spec.store);
     read_record(file, spec);
@@ -294,6 +322,7 @@ std::vector<DocumentedKey> documented_keys() {
   add("", station_rows());
   add("web.", web_rows());
   add("record.", record_rows());
+  add("stream.", stream_rows());
   return all;
 }
 

@@ -11,6 +11,7 @@
 #include "config/loader/loader.hpp"
 #include "core/access/login.hpp"
 #include "core/model/spec.hpp"
+#include "tools/forward/outlet/nats/jetstream_spec.hpp"
 
 namespace fieldcast::web {
 
@@ -27,6 +28,8 @@ struct WebSpec {
 struct StationSpec {
   std::string name = "station";
   std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several named ones
+  // Sites whose forwarders send to NATS JetStream, in addition to `sites`.
+  std::optional<forward::JetStreamSpec> stream;
   LogSpec log;
   WebSpec web;
   // `samples` has the patterns of the recorded channels; an empty list records nothing.

@@ -64,6 +64,29 @@ class CommandsApiTest : public test::ApiTest {
   FakeCommands commands_;
 };
 
+TEST_F(CommandsApiTest, ASiteOfTheStreamAcceptsNone) {
+  StationChannel channel;
+  channel.bus = "north:line";
+  channel.device = "d";
+  channel.channel = "speed";
+  channel.type = "int16";
+  model_.on_channel(channel, Origin::kStream);
+  LiveSite site;
+  site.site = "north";
+  model_.put(site);
+  for (const auto& [path, body] :
+       {std::pair{"/api/commands", R"({"channel":"north:line/d/speed","value":42})"},
+        std::pair{"/api/alarms/acknowledge",
+                  R"({"alarms":[{"bus":"north:line","device":"d","channel":"c","limit":"high"}]})"},
+        std::pair{"/api/sessions/end", R"({"bus":"north:line","device":"d"})"}}) {
+    const HttpResponse response = post(path, body);
+    EXPECT_EQ(response.status, 409u) << path;
+    EXPECT_EQ(Json::parse(response.body).at("error"),
+              "site north is read from the stream, which carries no commands");
+  }
+  EXPECT_EQ(commands_.last, 0u);
+}
+
 TEST_F(CommandsApiTest, AWriteIsTakenWithTheNameOfThePerson) {
   const HttpResponse response =
       post("/api/commands", R"({"channel":"line/d/speed","value":42,"verify":true})");

@@ -158,7 +158,7 @@ std::vector<std::string> json_targets() {
 
 TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
-  EXPECT_EQ(targets.size(), 12u);
+  EXPECT_EQ(targets.size(), 13u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",
                                  "/api/history?channel=line/d/speed&channel=line/d/none"});
   for (const std::string& target : targets) {
@@ -204,6 +204,15 @@ TEST(MetricsText, IsWhatPrometheusReads) {
             "# HELP fieldcast_station_frames_total F.\n"
             "# TYPE fieldcast_station_frames_total counter\n"
             "fieldcast_station_frames_total 1000000\n");
+}
+
+TEST(MetricsText, ValuesOfSitesHaveALabelAndOneDescription) {
+  EXPECT_EQ(metrics_text({{"site_backlog_records", false, "B.", 3, "north"},
+                          {"site_backlog_records", false, "B.", 4, "a\"b"}}),
+            "# HELP fieldcast_station_site_backlog_records B.\n"
+            "# TYPE fieldcast_station_site_backlog_records gauge\n"
+            "fieldcast_station_site_backlog_records{site=\"north\"} 3\n"
+            "fieldcast_station_site_backlog_records{site=\"a\\\"b\"} 4\n");
 }
 
 }  // namespace

@@ -88,6 +88,20 @@ TEST_F(ChannelsApiTest, WhatElseTheDomainReportsIsListed) {
   EXPECT_EQ(ask("/api/buses?x=1").status, 400u);
 }
 
+TEST_F(ChannelsApiTest, TheSitesOfAStreamAreListed) {
+  EXPECT_TRUE(json("/api/sites").at("stream").is_null());
+  model_.put(LiveStream{.connected = false, .reason = "disconnected"});
+  LiveSite site;
+  site.site = "north";
+  site.backlog_records = 12;
+  model_.put(site);
+  const auto found = json("/api/sites");
+  EXPECT_EQ(found.at("stream").at("reason"), "disconnected");
+  EXPECT_EQ(found.at("sites").at(0).at("site"), "north");
+  EXPECT_EQ(found.at("sites").at(0).at("backlog_records"), 12);
+  EXPECT_TRUE(found.at("sites").at(0).at("heard_ms").is_null());
+}
+
 using AlarmsApiTest = test::ApiTest;
 
 TEST_F(AlarmsApiTest, ThePresentComesFromTheModel) {

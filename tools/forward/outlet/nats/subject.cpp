@@ -36,7 +36,14 @@ std::string subject_of(std::string_view site, std::string_view bucket, const Rec
                          subject_token(record.bus));
     case RecordKind::kCatalogue: break;
   }
-  return fmt::format("$KV.{}.{}.{}", bucket, path, hex_text(record.identity));
+  return fmt::format("$KV.{}.{}", bucket,
+                     catalogue_key_of(site, record.bus, record.device, record.identity));
+}
+
+std::string catalogue_key_of(std::string_view site, std::string_view bus, std::string_view device,
+                             std::uint64_t identity) {
+  return fmt::format("{}.{}.{}.{}", subject_token(site), subject_token(bus), subject_token(device),
+                     hex_text(identity));
 }
 
 std::string site_subject_of(std::string_view bucket, std::string_view site) {

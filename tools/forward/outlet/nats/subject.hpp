@@ -1,6 +1,7 @@
 // Names of NATS: subjects of the messages. Pure.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,10 @@ inline constexpr std::string_view kAuditSubjects = "fieldcast-audit";
 // alarms, "fieldcast-audit.SITE.BRIDGE", or for a catalogue "$KV.BUCKET.SITE.BUS.DEVICE.IDENTITY".
 [[nodiscard]] std::string subject_of(std::string_view site, std::string_view bucket,
                                      const Record& record);
+
+// "SITE.BUS.DEVICE.IDENTITY": the key of a catalogue in its bucket.
+[[nodiscard]] std::string catalogue_key_of(std::string_view site, std::string_view bus,
+                                           std::string_view device, std::uint64_t identity);
 
 // "$KV.BUCKET.SITE": the state of the site.
 [[nodiscard]] std::string site_subject_of(std::string_view bucket, std::string_view site);

@@ -4,7 +4,7 @@
 import { request } from './api';
 import { StationClock } from './clock';
 import type { CatalogueAnswer, Plant } from './plant';
-import type { Alarm, Bridge, Bus, Device, Result, Session } from './types';
+import type { Alarm, Bridge, Bus, Device, Result, Session, Site, Stream } from './types';
 
 export type LiveState = 'connecting' | 'open' | 'lost';
 
@@ -200,6 +200,8 @@ export class Live {
       }
       case 'bridge': plant.bridges.set(String(message['bridge']), about as Bridge); plant.touch('bridges'); break;
       case 'bridge_gone': plant.bridges.delete(String(message['bridge'])); plant.touch('bridges'); break;
+      case 'site': plant.sites.set(String(message['site']), about as Site); plant.touch('sites'); break;
+      case 'stream': plant.stream = about as Stream; plant.touch('sites'); break;
       case 'plan': plant.plans.add(String(message['bus'])); plant.touch('plans'); break;
       case 'result': this.onResult(about as Result & { id?: number }); break;
       case 'refused':

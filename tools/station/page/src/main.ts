@@ -41,7 +41,7 @@ const shell = new Shell(plant, connection, {
   },
 });
 
-const allTopics: ReadonlySet<Topic> = new Set<Topic>(['catalogue', 'buses', 'devices', 'alarms', 'sessions', 'bridges', 'plans', 'connection']);
+const allTopics: ReadonlySet<Topic> = new Set<Topic>(['catalogue', 'buses', 'devices', 'alarms', 'sessions', 'bridges', 'plans', 'sites', 'connection']);
 
 function paint(): void {
   scheduled = false;

@@ -6,9 +6,9 @@ import { neverAcquired, parseFrame } from './frame';
 import type { Frame } from './frame';
 import { notYetRead, isBad } from './types';
 import { SessionRates } from './session_rate';
-import type { Alarm, Bridge, Bus, Channel, Device, Session } from './types';
+import type { Alarm, Bridge, Bus, Channel, Device, Session, Site, Stream } from './types';
 
-export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'connection';
+export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'sites' | 'connection';
 
 export interface CatalogueAnswer {
   version: number;
@@ -62,6 +62,8 @@ export class Plant {
   readonly sessions = new Map<string, Session>();  // bus/device
   readonly rates = new SessionRates();
   readonly bridges = new Map<string, Bridge>();
+  readonly sites = new Map<string, Site>();
+  stream: Stream | undefined;  // undefined: this station reads none
   readonly plans = new Set<string>();  // buses with a changed read plan, until a page has fetched it
   readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
   readonly changed = new Set<Topic>();  // since the last painting
@@ -74,9 +76,10 @@ export class Plant {
   restart(): void {
     this.waiting = [];
     this.version = -1;
-    for (const map of [this.buses, this.devices, this.alarms, this.sessions, this.bridges]) map.clear();
+    for (const map of [this.buses, this.devices, this.alarms, this.sessions, this.bridges, this.sites]) map.clear();
+    this.stream = undefined;
     this.rates.clear();
-    for (const topic of ['buses', 'devices', 'alarms', 'sessions', 'bridges'] as const) this.touch(topic);
+    for (const topic of ['buses', 'devices', 'alarms', 'sessions', 'bridges', 'sites'] as const) this.touch(topic);
   }
 
   // `at`: monotonic time of the arrival in milliseconds.

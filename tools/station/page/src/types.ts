@@ -175,6 +175,26 @@ export interface Bridge {
   buses: { bus: string; since_ms: number; serving: boolean }[];
 }
 
+export interface Site {
+  site: string;
+  connected: boolean;
+  heard_ms: number | null;
+  reported_ms: number | null;
+  clock_ahead_ms?: number;
+  backlog_records: number;
+  backlog_bytes: number;
+  backlog_since_ms: number | null;
+  samples: number;
+  late_samples: number;
+  lost_samples: number;
+  refused_messages: number;
+}
+
+export interface Stream {
+  connected: boolean;
+  reason: string;
+}
+
 export interface Result {
   request_id: string | number;
   state: string;  // done, verified, rejected, failed, expired

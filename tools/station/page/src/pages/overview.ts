@@ -9,10 +9,12 @@ import { t, word } from '../i18n';
 import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
 import { link } from '../router';
+import { siteTexts, sitesSection } from '../sites';
 import type { Bridge, Bus, Counts, Device } from '../types';
 import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
 
 export const texts = {
+  ...siteTexts,
   'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
   'overview.used': ['Used', '占用'], 'overview.planned-hint': ['Share of the wire that the read plan needs', '读取计划所需的总线时间比例'],
   'overview.measured-hint': ['Share of the wire that reading took in the last 10 s', '最近 10 秒读取所占的总线时间比例'],
@@ -118,9 +120,9 @@ export const page: MakePage = (context) => {
   const draw = (): void => {
     const buses = [...context.plant.buses.values()].sort((a, b) => a.bus.localeCompare(b.bus));
     const tallies = context.plant.count();
-    render(html`<h1 class="unseen">${t('overview.title')}</h1>
+    render(html`<h1 class="unseen">${t('overview.title')}</h1>${sitesSection(context.plant, context.now())}
       ${buses.length ? html`<div class="cards">${repeat(buses, (bus) => bus.bus, (bus) => card(context, bus, tallies.get(bus.bus)))}</div>` :
-        empty(t('overview.none'), t('overview.none-hint'))}`, element);
+        context.plant.stream ? nothing : empty(t('overview.none'), t('overview.none-hint'))}`, element);
   };
   return {
     element,

@@ -1,0 +1,39 @@
+#include "tools/station/stream/stream_reader.hpp"
+
+#include <thread>
+#include <vector>
+
+#include "tools/station/stream/stream_shared.hpp"
+
+namespace fieldcast::web {
+
+struct StreamReader::State {
+  StreamShared shared;
+  std::vector<std::thread> threads;
+};
+
+StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
+                           DomainInbox& inbox, Store* store, Recorder* recorder)
+    : state_(std::make_unique<State>()) {
+  StreamShared& shared = state_->shared;
+  shared.spec = spec;
+  shared.station = station;
+  const bool records = store != nullptr && recorder != nullptr;
+  state_->threads.emplace_back([&shared, &inbox, recorder] { run_state(shared, inbox, recorder); });
+  state_->threads.emplace_back([&shared, &inbox, records] { run_live(shared, inbox, !records); });
+  if (records) state_->threads.emplace_back([&shared, store] { run_record(shared, *store); });
+}
+
+StreamReader::~StreamReader() {
+  constexpr std::int64_t kCloseMs = 5'000;
+  state_->shared.end();
+  for (std::thread& thread : state_->threads) thread.join();
+  nats_CloseAndWait(kCloseMs);
+}
+
+StreamReader::Counters StreamReader::counters() const {
+  const StreamShared& shared = state_->shared;
+  return {shared.messages, shared.refused, shared.recorded, shared.repeated};
+}
+
+}  // namespace fieldcast::web

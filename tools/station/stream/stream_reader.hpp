@@ -1,0 +1,41 @@
+// Reads the sites of the stream: values, alarms and the state of each site into the inbox, samples
+// into the store. Each of three threads has a connection of its own, so that a long backlog of the
+// record does not delay present values.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "bridge/store/store.hpp"
+#include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/station/live/domain_inbox.hpp"
+#include "tools/station/record/recorder.hpp"
+
+namespace fieldcast::web {
+
+class StreamReader {
+ public:
+  // `station`: its name, which names its position in the stream. `store` and `recorder` are null if
+  // nothing is recorded. All must outlive this object.
+  StreamReader(const forward::JetStreamSpec& spec, const std::string& station, DomainInbox& inbox,
+               Store* store, Recorder* recorder);
+  // Waits for the threads, a few seconds if a server does not respond.
+  ~StreamReader();
+  StreamReader(const StreamReader&) = delete;
+  StreamReader& operator=(const StreamReader&) = delete;
+
+  struct Counters {
+    std::uint64_t messages = 0;  // with present samples
+    std::uint64_t refused = 0;   // messages that could not be decoded
+    std::uint64_t recorded = 0;  // samples passed to the store
+    std::uint64_t repeated = 0;  // samples that were received before
+  };
+  [[nodiscard]] Counters counters() const;  // any thread
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast::web
