@@ -5,6 +5,7 @@ https://docs.nats.io/reference/reference-protocols/nats-protocol, .../nats_api_r
 """
 
 import base64
+import contextlib
 import json
 import os
 import shutil
@@ -19,10 +20,19 @@ SECONDS = 20
 PROGRAM = shutil.which("nats-server", path=os.environ.get("PATH", "") + ":/usr/sbin")
 
 
+_next_port = 20000 + os.getpid() * 7 % 10000
+
+
 def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+    """Returns a port that this process has not got before. It is below the ports that the kernel assigns to connections, so that a killed
+    server gets its port again."""
+    global _next_port
+    while True:
+        _next_port = 20000 + (_next_port - 20000 + 1) % 10000
+        with contextlib.suppress(OSError), socket.socket() as one:
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            one.bind(("127.0.0.1", _next_port))
+            return _next_port
 
 
 class NatsServer:
@@ -62,7 +72,7 @@ class NatsServer:
 
 
 def cluster(folder, size, program=PROGRAM):
-    """Servers of one cluster, each with its own folder; not started."""
+    """Servers of one cluster, each with its own folder; not started. Clients use only the addresses of their configuration."""
     ports = [free_port() for _ in range(size)]
     routes = ", ".join(f'"nats-route://127.0.0.1:{port}"' for port in ports)
     servers = []
@@ -70,7 +80,7 @@ def cluster(folder, size, program=PROGRAM):
         path = os.path.join(folder, f"node-{number}")
         os.mkdir(path)
         servers.append(NatsServer(path, f"""server_name: node-{number}
-cluster {{ name: test, listen: "127.0.0.1:{port}", routes: [{routes}] }}""", program))
+cluster {{ name: test, listen: "127.0.0.1:{port}", no_advertise: true, routes: [{routes}] }}""", program))
     return servers
 
 
@@ -148,6 +158,23 @@ class NatsClient:
             "deliver_subject": inbox, "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant"}})
         self.subscribe(inbox)  # the consumer delivers from now on
         return [self.receive() for _ in range(made["num_pending"])]
+
+    def pages(self, stream, size=500):
+        """Yields the messages of a stream in its order, `size` at a time: for streams that do not fit in the server's buffer of a client."""
+        made = self.request(f"$JS.API.CONSUMER.CREATE.{stream}", {"stream_name": stream, "config": {
+            "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant"}})
+        inbox = f"_INBOX.{os.getpid()}.{time.monotonic_ns()}"
+        self.subscribe(inbox)
+        left = made["num_pending"]
+        while left > 0:
+            count = min(left, size)
+            self.publish(f"$JS.API.CONSUMER.MSG.NEXT.{stream}.{made['name']}", json.dumps({"batch": count}).encode(), inbox)
+            for _ in range(count):
+                message = self.receive()
+                if not message.reply:
+                    raise Failure(f"{stream}: the server sent a status instead of a message: {message.headers}")
+                yield message
+            left -= count
 
     def last(self, stream, subject):
         """The data of the last message of a subject."""
