@@ -1,7 +1,6 @@
 """Simulated sites for trials of fieldcast-forward: each has its own DDS domain, bench_bridge, which publishes every channel once a second
 and records what it publishes, and a forwarder. The nodes of JetStream run on this machine too."""
 
-import collections
 import os
 import re
 import signal
@@ -62,7 +61,8 @@ class Site:
 
     def _start(self, log, program, *arguments):
         with open(self.path(log), "a", encoding="utf-8") as file:
-            return subprocess.Popen([os.path.join(self.bin_dir, program), *arguments], stdout=file, stderr=file, stdin=subprocess.DEVNULL)
+            return subprocess.Popen([os.path.join(self.bin_dir, program), *arguments], stdout=file, stderr=file, stdin=subprocess.DEVNULL,
+                                    start_new_session=True)  # Ctrl-C reaches only the program that runs the sites
 
     def kill_forwarder(self):
         self.measure()
@@ -166,6 +166,3 @@ def memory_of(process):
 def folder_bytes(folder):
     return sum(os.path.getsize(os.path.join(path, name)) for path, _, names in os.walk(folder) for name in names)
 
-
-def counts_by_kind(faults):
-    return collections.Counter(fault.kind for fault in faults)

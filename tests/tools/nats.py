@@ -47,7 +47,8 @@ class NatsServer:
 
     def start(self):
         with open(os.path.join(self.folder, "nats.log"), "a", encoding="utf-8") as log:
-            self.process = subprocess.Popen([self.program, "-c", self.config], stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+            self.process = subprocess.Popen([self.program, "-c", self.config], stdout=log, stderr=log, stdin=subprocess.DEVNULL,
+                                            start_new_session=True)
         wait_until(self._listens, SECONDS, self.log)
         return self
 
