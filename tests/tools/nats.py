@@ -93,11 +93,15 @@ class Message:
 class NatsClient:
     """One connection. The caller receives one message after the other."""
 
-    def __init__(self, port, seconds=SECONDS):
+    def __init__(self, port, seconds=SECONDS, tls=None):
+        """`tls`: an ssl.SSLContext."""
         self.socket = socket.create_connection(("127.0.0.1", port), seconds)
-        self.file = self.socket.makefile("rb")
+        self.file = self.socket.makefile("rb", 0 if tls else -1)
         self._line()  # INFO
-        self._send(b'CONNECT {"verbose":false,"pedantic":false,"headers":true,"no_responders":true,"lang":"python","version":"1"}\r\n')
+        if tls:
+            self.socket = tls.wrap_socket(self.socket)
+            self.file = self.socket.makefile("rb")
+        self.send(b'CONNECT {"verbose":false,"pedantic":false,"headers":true,"no_responders":true,"lang":"python","version":"1"}\r\n')
         self.subscriptions = 0
 
     def close(self):
@@ -110,7 +114,7 @@ class NatsClient:
     def __exit__(self, *_):
         self.close()
 
-    def _send(self, data):
+    def send(self, data):
         self.socket.sendall(data)
 
     def _line(self):
@@ -121,17 +125,17 @@ class NatsClient:
 
     def subscribe(self, subject):
         self.subscriptions += 1
-        self._send(f"SUB {subject} {self.subscriptions}\r\n".encode())
+        self.send(f"SUB {subject} {self.subscriptions}\r\n".encode())
 
     def publish(self, subject, data=b"", reply=""):
-        self._send(f"PUB {subject} {reply} {len(data)}\r\n".encode() + data + b"\r\n")
+        self.send(f"PUB {subject} {reply} {len(data)}\r\n".encode() + data + b"\r\n")
 
     def receive(self):
         while True:
             line = self._line()
             words = line.split(" ")
             if words[0] == "PING":
-                self._send(b"PONG\r\n")
+                self.send(b"PONG\r\n")
             elif words[0] == "-ERR":
                 raise Failure(line)
             elif words[0] in ("MSG", "HMSG"):
