@@ -151,11 +151,12 @@ class Campaign:
             self.windows[site].append(Window(time.time_ns() - int(UNSENT * 1e9), time.time_ns() + 10 ** 18, BRIDGE_ENDED))
             site.stop_bridge()
         time.sleep(GATHER + 1)
-        for site in self.sites:
-            try:
-                site.wait_until_empty(DRAIN_SECONDS)
-            except Failure as failure:
-                self.not_drained.append(str(failure))
+        end, left = time.monotonic() + DRAIN_SECONDS, self.sites
+        while left and time.monotonic() < end:
+            waiting = [site for site in left if not site.is_empty()]
+            time.sleep(1)
+            left = [site for site in left if site in waiting or not site.is_empty()]
+        self.not_drained = [f"{site.name}: {site.log()[-500:]}" for site in left]
 
     def messages(self, stream):
         """The messages of a stream, when it has a leader."""

@@ -2,20 +2,21 @@
 """Simulates many sites that send their backlog to one centre after a common outage.
 
 usage: tools/bench/outage_simulation.py [--sites 1000] [--samples 10000] [--outage 3600] [--uplink 250] [--round-trip 50] [--devices 100]
-           [--live-bytes 8.0] [--late-bytes 6.6] [--live-message 800] [--message-cost 60] [--byte-cost 0.01] [--cores 4] [--connects 1000]
-           [--late-window 1] [--step 0.05] [--seed 1]
+           [--live-bytes 8.0] [--late-bytes 6.6] [--live-message 1200] [--message-cost 23] [--byte-cost 0.01] [--cores 4] [--connects 600]
+           [--late-after 10] [--late-window 1] [--observe S] [--step 0.05] [--seed 1]
 
 A fluid model in steps of --step seconds, four times as long after the first minute. Its rules are those of the forwarder (tools/forward/send,
 outlet/nats):
 - A site tries to connect each 1 to 1.5 s. The centre accepts --connects a second; an attempt that waits longer than 3 s is repeated.
 - A connected site publishes --samples a second, of --live-bytes each on the wire, in messages of --live-message bytes. They are sent first.
+  Those of the last --late-after seconds before it was connected are live too.
 - Late messages have 16 kB at most, one of each of --devices in flight, and as many bytes in flight as the window allows: it grows by what
   was acknowledged while that needs at most 0.25 s longer than the fastest one, else it is halved. --late-window 0: without this bound.
 - An uplink has --uplink kB/s, at half of the sites; a quarter has half of this, and a quarter twice as much.
 - The centre is one queue, served by --cores processors, with --message-cost us for a message and --byte-cost us for a byte
   (tools/bench/ingest_bench.py measures both).
 Prints the time until 50 %, 99 % and all sites have no backlog, and the delay of samples that were published after their site was connected:
-from the time when a message is full, without the time for which it is gathered.
+from the time when a message is full, without the time for which it is gathered. --observe: only of this many seconds.
 """
 
 import argparse
@@ -54,8 +55,9 @@ class Site:
     def __init__(self, options, uplink, connected):
         self.uplink, self.connected, self.round_trip = uplink, connected, options.round_trip / 1000
         self.demand = options.samples * options.live_bytes  # bytes a second
-        self.backlog = options.samples * (options.outage + connected) * options.late_bytes
-        self.live = 0.0  # bytes that wait at the site
+        recent = min(options.late_after, options.outage + connected)
+        self.backlog = options.samples * (options.outage + connected - recent) * options.late_bytes
+        self.live = self.demand * recent  # bytes that wait at the site
         self.bound = options.devices * LATE_MESSAGE
         self.window, self.is_bounded, self.reduced = float(LEAST), options.late_window, -1e9
         if not self.is_bounded:
@@ -68,7 +70,7 @@ class Site:
         self.live -= live
         free = self.uplink * step - live
         late, ahead = 0.0, 0.0
-        if self.backlog > 0:
+        if self.backlog > 0 and free > 0:
             flight = min(self.window, self.bound, self.backlog + LATE_MESSAGE)
             rate = max(free / step, 1.0)
             shortest = self.round_trip + wait + LATE_MESSAGE / self.uplink
@@ -109,14 +111,16 @@ def simulate(options):
         work, left = quiet * step, []
         for site in active:
             live, late, delay = site.step(now, step, queue / options.cores)
-            delays[round(1000 * delay)] += live
+            if now <= options.observe:
+                delays[round(1000 * delay)] += site.demand * step
             work += live * (message / options.live_message + byte) + late * (message / LATE_MESSAGE + byte)
             if site.backlog > 0:
                 left.append(site)
             else:
                 done.append(now)
                 quiet, quiet_sites = quiet + of_one, quiet_sites + 1
-        delays[round(1000 * (options.round_trip / 2000 + queue / options.cores))] += quiet_sites * options.samples * options.live_bytes * step
+        if now <= options.observe:
+            delays[round(1000 * (options.round_trip / 2000 + queue / options.cores))] += quiet_sites * options.samples * options.live_bytes * step
         active = left
         queue = max(0.0, queue + work - options.cores * step)
         highest = max(highest, queue / options.cores)
@@ -137,7 +141,8 @@ def options_of(arguments):
     for name, default in [("sites", 1000), ("devices", 100), ("seed", 1), ("late-window", 1)]:
         parser.add_argument("--" + name, type=int, default=default)
     for name, default in [("samples", 10_000), ("outage", 3600), ("uplink", 250), ("round-trip", 50), ("live-bytes", 8.0), ("late-bytes", 6.6),
-                          ("live-message", 800), ("message-cost", 60), ("byte-cost", 0.01), ("cores", 4), ("connects", 1000), ("step", 0.05)]:
+                          ("live-message", 1200), ("message-cost", 23), ("byte-cost", 0.01), ("cores", 4), ("connects", 600),
+                          ("late-after", 10), ("observe", LIMIT), ("step", 0.05)]:
         parser.add_argument("--" + name, type=float, default=default)
     return parser.parse_args(arguments)
 
@@ -154,7 +159,7 @@ def main():
     else:
         print("without a backlog: " + ", ".join(f"{name} after {done[min(len(done) - 1, int(part * len(done)))]:.0f} s"
                                                 for name, part in [("50 %", 0.5), ("99 %", 0.99), ("all", 1)]))
-    print(f"delay of live samples until then: p50 {quantile(delays, 0.5)} ms, p99 {quantile(delays, 0.99)} ms, most {max(delays)} ms; "
+    print(f"delay of live samples: p50 {quantile(delays, 0.5)} ms, p99 {quantile(delays, 0.99)} ms, most {max(delays)} ms; "
           f"longest queue at the centre {1000 * highest:.0f} ms")
 
 
