@@ -6,10 +6,10 @@ usage: e2e_forward.py BIN_DIR SOURCE_DIR UNPACKED_DIR [CLASS ..]
 
 import collections
 import contextlib
+import errno
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import tempfile
@@ -17,13 +17,16 @@ import time
 import unittest
 import urllib.request
 
+import forwarding
 import nats
+from forwarding import REJOIN, UNCOMMITTED
 from plant import Failure, Plant, wait_until
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "campaign"))
+from fault_shim import FaultShim  # noqa: E402
 
 BIN_DIR = SOURCE_DIR = NATS_SERVER = ""
 GATHER = 0.2  # seconds
-UNCOMMITTED = 1.5  # seconds before a kill in which a sample may be gathered, but not queued
-REJOIN = 8  # seconds until a restarted forwarder receives samples again
 
 CONFIG = """
 bridge: e2e
@@ -53,64 +56,12 @@ def setUpModule():
     plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
-class Forwarder:
+class NatsForwarder(forwarding.Forwarder):
     def __init__(self, folder, more, payload="format: json", replicas=1):
-        self.folder, self.process = folder, None
-        self.file = os.path.join(folder, "forward.yaml")
-        with open(self.file, "w", encoding="utf-8") as file:
-            file.write(f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
-                       f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
-                       f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
-
-    def start(self):
-        with open(os.path.join(self.folder, "forward.log"), "a", encoding="utf-8") as log:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", self.file],
-                                            stdout=log, stderr=log, stdin=subprocess.DEVNULL)
-
-    def kill(self):
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
-
-    def stop(self):
-        """Ends it in order; returns its exit code."""
-        if self.process is not None and self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-            try:
-                return self.process.wait(15)
-            except subprocess.TimeoutExpired:
-                self.kill()
-        return None if self.process is None else self.process.returncode
-
-    def log(self):
-        with open(os.path.join(self.folder, "forward.log"), encoding="utf-8") as file:
-            return file.read()
-
-
-class Reference:
-    """What `fieldcast watch` receives meanwhile: another reader of the same samples."""
-
-    def __init__(self, folder):
-        self.path = os.path.join(folder, "watch.jsonl")
-        with open(self.path, "w", encoding="utf-8") as file:
-            self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--config", plant.file],
-                                            stdout=file, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-        wait_until(lambda: os.path.getsize(self.path) > 0, 20, "fieldcast watch shows nothing")
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-        self.process.wait(15)
-
-    def samples(self):
-        """{(device, channel): {sequence: sample}}"""
-        found = collections.defaultdict(dict)
-        with open(self.path, encoding="utf-8") as file:
-            for line in file.read().splitlines():
-                with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
-                    sample = json.loads(line)
-                    if "sequence" in sample:
-                        found[sample["device"], sample["channel"]][sample["sequence"]] = sample
-        return found
+        super().__init__(BIN_DIR, folder,
+                         f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
+                         f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
+                         f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
 
 
 class ForwardCase(unittest.TestCase):
@@ -125,7 +76,7 @@ class ForwardCase(unittest.TestCase):
         return server
 
     def forwarder(self, more, payload="format: json", replicas=1):
-        forwarder = Forwarder(self.folder, more, payload, replicas)
+        forwarder = NatsForwarder(self.folder, more, payload, replicas)
         self.addCleanup(forwarder.stop)
         return forwarder
 
@@ -162,7 +113,7 @@ def by_channel(messages):
 class Kills(ForwardCase):
     def setUp(self):
         super().setUp()
-        self.reference = Reference(self.folder)
+        self.reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(self.reference.stop)
 
     def test_every_sample_arrives_once_and_in_order(self):
@@ -252,6 +203,94 @@ class Kills(ForwardCase):
         self.assertLessEqual(gaps, 2 if down else 0)
 
 
+class Disk(ForwardCase):
+    """Faults of the disk, by a preloaded library. Late samples are in order among themselves."""
+
+    def setUp(self):
+        super().setUp()
+        self.reference = forwarding.Reference(plant, self.folder)
+        self.addCleanup(self.reference.stop)
+        self.shim = FaultShim(os.path.join(BIN_DIR, "..", "lib", "libfault_shim.so"), self.folder, os.path.join(self.folder, "queue.db"))
+        self.nats = self.server()
+        self.fc = self.forwarder(f"  servers: [nats://127.0.0.1:{self.nats.port}]")
+        self.fc.environment = self.shim.environment()
+
+    def arrived(self):
+        """{channel: {sequence}}; fails if a sample arrived twice or a subject is not in order."""
+        messages = self.stored(self.nats)
+        for prefix in ("fieldcast.", "fieldcast-late."):
+            part = [message for message in messages if message.subject.startswith(prefix)]
+            for channel, samples in by_channel(deduplicated(part)).items():
+                numbers = [sample["sequence"] for _, sample in samples]
+                self.assertEqual(numbers, sorted(set(numbers)), channel)
+        found = by_channel(deduplicated(messages))
+        numbers = {channel: [sample["sequence"] for _, sample in samples] for channel, samples in found.items()}
+        for channel, each in numbers.items():
+            self.assertEqual(len(each), len(set(each)), f"{channel} has a sample twice")
+        return {channel: set(each) for channel, each in numbers.items()}
+
+    def missing(self):
+        """Samples that the reference has received and the stream does not have, after the first one of each channel; by time."""
+        reference, found = self.reference.samples(), self.arrived()
+        return sorted(sample["acquired_at"] / 1e9 for channel, samples in reference.items() for number, sample in samples.items()
+                      if number > min(found[channel]) and number not in found[channel])
+
+    def settle(self):
+        """Waits until everything that the reference has now is in the stream."""
+        last = {channel: max(samples) for channel, samples in self.reference.samples().items()}
+        wait_until(lambda: all(max(self.arrived().get(channel, {0})) >= number for channel, number in last.items()), 30,
+                   lambda: self.fc.log()[-4000:])
+        self.reference.stop()
+        self.assertEqual(self.fc.stop(), 0, self.fc.log()[-4000:])
+
+    def test_on_a_full_disk_samples_wait_in_memory(self):
+        self.nats.start()
+        self.fc.start()
+        self.wait_for_messages(self.nats, self.fc, 4)
+        self.shim.error = errno.ENOSPC
+        time.sleep(4)
+        self.assertRegex(self.fc.log(), "error queue.*full.*wait in memory")
+        self.shim.clear()
+        self.settle()
+        self.assertEqual(self.missing(), [])
+
+    def test_killed_at_a_write_it_loses_only_what_was_not_stored(self):
+        self.nats.start()
+        self.fc.start()
+        self.wait_for_messages(self.nats, self.fc, 4)
+        down = []
+        for how in (0, 1, 2):
+            self.shim.kill_how, self.shim.kill_at = how, self.shim.operations + 7
+            self.fc.process.wait(15)
+            killed = time.time()
+            self.shim.clear()
+            self.fc.start()
+            down.append((killed - UNCOMMITTED, time.time() + REJOIN))
+            time.sleep(REJOIN)
+        self.settle()
+        self.assertEqual([at for at in self.missing() if not any(begin < at < end for begin, end in down)], [])
+
+    def test_a_corrupt_end_of_the_log_loses_only_its_last_transactions(self):
+        self.fc.start()
+        time.sleep(6)  # without a server, the queue grows
+        self.fc.kill()
+        killed = time.time()
+        log = os.path.join(self.folder, "queue.db-wal")
+        with open(log, "r+b") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(size - 9000)
+            file.write(os.urandom(6000))
+            file.truncate()
+        self.nats.start()
+        self.fc.start()
+        self.wait_for_messages(self.nats, self.fc, 2)
+        time.sleep(REJOIN)
+        self.settle()
+        lost = [at for at in self.missing() if at < killed - UNCOMMITTED - 3]
+        self.assertEqual(lost, [], "three seconds are more than 9000 bytes of the log")
+        self.assertGreater(min(map(len, self.arrived().values())), 20)
+
+
 class Bridge(ForwardCase):
     def test_a_killed_bridge_begins_an_epoch_and_nothing_is_repeated(self):
         server = self.server().start()
@@ -308,7 +347,7 @@ class Contents(ForwardCase):
     def test_after_an_outage_old_samples_are_late(self):
         server = self.server().start()
         forwarder = self.forwarder(f"  servers: [nats://127.0.0.1:{server.port}]\nsend: {{ late-after: 1s }}")
-        reference = Reference(self.folder)
+        reference = forwarding.Reference(plant, self.folder)
         self.addCleanup(reference.stop)
         forwarder.start()
         self.wait_for_messages(server, forwarder, 4)

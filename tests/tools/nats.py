@@ -38,8 +38,8 @@ def free_port():
 class NatsServer:
     """`folder` keeps the streams over a restart. `more`: further lines of its configuration."""
 
-    def __init__(self, folder, more="", program=PROGRAM):
-        self.port = free_port()
+    def __init__(self, folder, more="", program=PROGRAM, port=None):
+        self.port = port or free_port()
         self.folder, self.process, self.program = folder, None, program
         self.config = os.path.join(folder, "nats.conf")
         with open(self.config, "w", encoding="utf-8") as file:

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tools/forward/outlet/nats/jetstream.hpp"
+#include "tools/forward/outlet/postgresql/postgresql.hpp"
 
 namespace fieldcast::forward {
 
@@ -14,6 +15,9 @@ struct Maker {
 
   std::unique_ptr<Outlet> operator()(const JetStreamSpec& spec) {
     return std::make_unique<JetStreamOutlet>(spec, std::move(context));
+  }
+  std::unique_ptr<Outlet> operator()(const PostgresqlSpec& spec) {
+    return std::make_unique<PostgresqlOutlet>(spec, std::move(context));
   }
 };
 

@@ -140,6 +140,40 @@ TEST(ForwardConfiguration, NamesThatNatsDoesNotAllowAreRefused) {
   EXPECT_THAT(jetstream_faults("bucket: a.b"), ElementsAre(HasSubstr("bucket 'a.b'")));
 }
 
+PostgresqlSpec postgresql_of(const std::string& text) {
+  const auto loaded = load("site: n\nqueue: { path: q }\npostgresql: { " + text + " }\n");
+  return loaded ? std::get<PostgresqlSpec>(loaded->outlet) : PostgresqlSpec{.server = "fault"};
+}
+std::vector<std::string> postgresql_faults(const std::string& text) {
+  return faults("site: n\nqueue: { path: q }\npostgresql: { " + text + " }\n");
+}
+
+TEST(ForwardConfiguration, EveryKeyOfPostgresqlIsRead) {
+  EXPECT_EQ(postgresql_of("create: false"), PostgresqlSpec{});
+  EXPECT_EQ(
+      postgresql_of("server: \"db.example:5433\", database: plant, user: north, "
+                    "password-file: p, authority: a, certificate: c, key: k, without-tls: "
+                    "true, schema: s, create: true"),
+      (PostgresqlSpec{"db.example:5433", "plant", "north", "p", "a", "c", "k", true, "s", true}));
+}
+
+TEST(ForwardConfiguration, APostgresqlServerOffThisMachineNeedsAnAuthority) {
+  EXPECT_THAT(postgresql_faults("server: \"db.example:5432\""),
+              ElementsAre(HasSubstr("without TLS")));
+  EXPECT_TRUE(postgresql_faults("server: \"db.example:5432\", authority: ca.pem").empty());
+  EXPECT_TRUE(postgresql_faults("server: \"db.example:5432\", without-tls: true").empty());
+  EXPECT_TRUE(postgresql_faults("server: /run/postgresql").empty());
+  EXPECT_THAT(postgresql_faults("server: db.example"),
+              ElementsAre(HasSubstr("names no host and port")));
+  EXPECT_THAT(postgresql_faults("password-file: p"), ElementsAre(HasSubstr("without 'user'")));
+  EXPECT_THAT(postgresql_faults("certificate: c"), ElementsAre(HasSubstr("without 'key'")));
+}
+
+TEST(ForwardConfiguration, OneEngineIsAllowed) {
+  EXPECT_THAT(faults("site: n\nqueue: { path: q }\njetstream: {}\npostgresql: {}\n"),
+              ElementsAre(HasSubstr("'postgresql' beside 'jetstream'")));
+}
+
 TEST(ServerAddress, NamesSchemeHostAndPort) {
   EXPECT_TRUE(server_address_from("tls://a.example:4222")->tls);
   EXPECT_FALSE(server_address_from("tls://a.example:4222")->on_loopback);

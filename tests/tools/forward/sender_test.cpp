@@ -163,6 +163,23 @@ TEST_F(SenderTest, OldRecordsAreLateAndWaitingOnesAreMerged) {
   EXPECT_EQ(engine.sent.size(), 2u);
 }
 
+TEST_F(SenderTest, AfterAStepOfTheClockEveryRecordIsSentInItsOrder) {
+  constexpr std::int64_t kHour = 3'600'000'000'000;
+  const std::int64_t now = read_clocks().utc.nanoseconds;
+  std::int64_t next = 0;
+  for (const std::int64_t at : {now, now + kHour, now - kHour, now}) {
+    appended_at = {at};
+    append(next, next + 3);
+    next += 3;
+  }
+  Sender sending = sender();
+  sending.start(std::make_unique<EngineOutlet>(engine, sending));
+  ASSERT_TRUE(is_empty_in_time());
+  sending.stop();
+  EXPECT_EQ(sending.counters().samples, 12u);
+  EXPECT_EQ(std::set(engine.sent.begin(), engine.sent.end()).size(), 12u);
+}
+
 TEST_F(SenderTest, NothingIsSentBeforeTheOutletIsReady) {
   append(0, 1);
   engine.is_ready = false;

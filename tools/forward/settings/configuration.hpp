@@ -14,6 +14,7 @@
 #include "tools/forward/batch/gatherer.hpp"
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/forward/outlet/postgresql/postgresql_spec.hpp"
 #include "tools/forward/payload/record_payload.hpp"
 #include "tools/forward/queue/queue.hpp"
 #include "tools/forward/send/sender.hpp"
@@ -21,7 +22,7 @@
 namespace fieldcast::forward {
 
 // The engine, by the section of the configuration.
-using OutletSpec = std::variant<JetStreamSpec>;
+using OutletSpec = std::variant<JetStreamSpec, PostgresqlSpec>;
 
 struct ForwardSpec {
   std::string site;

@@ -68,6 +68,7 @@ const Rows<ForwardSpec>& forward_rows() {
           {{.name = "payload", .text = "the form of the messages", .schema = "{}"}},
           {{.name = "send", .text = "in which order and how fast", .schema = "{}"}},
           {{.name = "jetstream", .text = "the engine: servers of NATS JetStream", .schema = "{}"}},
+          {{.name = "postgresql", .text = "the engine: PostgreSQL or TimescaleDB", .schema = "{}"}},
       });
   return rows;
 }

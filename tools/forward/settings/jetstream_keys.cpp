@@ -4,6 +4,7 @@
 
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
+#include "tools/forward/settings/login_keys.hpp"
 #include "tools/forward/settings/server_address.hpp"
 
 namespace fieldcast::forward {
@@ -46,28 +47,9 @@ void read_servers(MapReader& map, JetStreamSpec& spec) {
   }
 }
 
-// The file must exist; the access to its content is checked when it is used.
-void read_files(MapReader& map, JetStreamSpec& spec, config::Library& library) {
-  for (const auto& [key, target] :
-       {std::pair{"authority", &spec.authority}, std::pair{"certificate", &spec.certificate},
-        std::pair{"key", &spec.key}, std::pair{"password-file", &spec.password_file},
-        std::pair{"token-file", &spec.token_file}, std::pair{"credentials", &spec.credentials}}) {
-    std::string path;
-    if (map.read(key, path, config::TextRule{config::kMaxPath}))
-      *target = library.check_file(*map.find(key));
-  }
-}
-
 void check_login(MapReader& map, const JetStreamSpec& spec) {
-  if (spec.certificate.empty() != spec.key.empty())
-    map.fault(spec.key.empty() ? "certificate" : "key",
-              spec.key.empty() ? "'certificate' without 'key'" : "'key' without 'certificate'",
-              "both, as PEM files");
-  if (spec.user.empty() != spec.password_file.empty())
-    map.fault(
-        spec.user.empty() ? "password-file" : "user",
-        spec.user.empty() ? "'password-file' without 'user'" : "'user' without 'password-file'",
-        "both");
+  check_pair(map, "certificate", spec.certificate, "key", spec.key, "both, as PEM files");
+  check_pair(map, "user", spec.user, "password-file", spec.password_file, "both");
   const int logins = (spec.password_file.empty() ? 0 : 1) + (spec.token_file.empty() ? 0 : 1) +
                      (spec.credentials.empty() ? 0 : 1);
   if (logins > 1)
@@ -175,7 +157,13 @@ OutletSpec read_jetstream(MapReader& file, const Node& section, config::Library&
   MapReader map(section, jetstream_rows(), file.faults());
   jetstream_rows().read(map, spec);
   read_servers(map, spec);
-  read_files(map, spec, library);
+  read_files(map, library,
+             {{"authority", &spec.authority},
+              {"certificate", &spec.certificate},
+              {"key", &spec.key},
+              {"password-file", &spec.password_file},
+              {"token-file", &spec.token_file},
+              {"credentials", &spec.credentials}});
   check_login(map, spec);
   check_names(map, spec);
   if (const Node* streams = map.find("streams"); streams != nullptr) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/forward/settings/jetstream_keys.hpp"
+#include "tools/forward/settings/postgresql_keys.hpp"
 
 namespace fieldcast::forward {
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr OutletSection kSections[] = {
     {"jetstream", read_jetstream, document_jetstream},
+    {"postgresql", read_postgresql, document_postgresql},
 };
 
 }  // namespace

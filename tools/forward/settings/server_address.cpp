@@ -21,10 +21,13 @@ tl::expected<ServerAddress, std::string> server_address_from(std::string_view te
       config::host_port_from(std::string(text.substr(address.tls ? kTls.size() : kPlain.size())));
   if (!host_port)
     return tl::make_unexpected("server '" + std::string(text) + "' names no host and port");
-  const std::string& host = host_port->first;
-  address.on_loopback =
-      host == "localhost" || host == "::1" || (host.starts_with("127.") && config::is_ipv4(host));
+  address.on_loopback = is_loopback(host_port->first);
   return address;
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" ||
+         (host.starts_with("127.") && config::is_ipv4(host));
 }
 
 }  // namespace fieldcast::forward

@@ -16,4 +16,7 @@ struct ServerAddress {
 // not repeat a login.
 [[nodiscard]] tl::expected<ServerAddress, std::string> server_address_from(std::string_view text);
 
+// "localhost", "127.0.0.1", "::1".
+[[nodiscard]] bool is_loopback(const std::string& host);
+
 }  // namespace fieldcast::forward

@@ -20,6 +20,9 @@ namespace {
 
 constexpr const char* kSubject = "jetstream";
 constexpr Duration kPause = std::chrono::seconds{2};  // after a failed attempt
+// The library reconnects by itself, but it waits by the system clock: after a step back, for as long
+// as the step. Then a new connection is made.
+constexpr Duration kPatience = std::chrono::seconds{15};
 constexpr std::int64_t kCloseMs = 5'000;
 constexpr std::size_t kMaxRequest = 64 * 1024;  // bytes of a command that are kept
 
@@ -81,6 +84,7 @@ struct JetStreamOutlet::State {
   NatsSubscription commands;
   bool has_streams = false;
   Instant next_attempt{};
+  Instant last_ready{};
 
   std::atomic<bool> is_closing = false;  // by this program: not logged
 
@@ -170,6 +174,7 @@ void JetStreamOutlet::State::connect(Instant now) {
     return;
   }
   connection.reset(made);
+  last_ready = now;
   log_info(kSubject, "connected to " + server_of(made));
   jsOptions context_options;
   jsOptions_Init(&context_options);
@@ -262,9 +267,12 @@ bool JetStreamOutlet::is_ready(Instant now) {
     state_->next_attempt = now + kPause;
   }
   if (!state_->connection && now >= state_->next_attempt) state_->connect(now);
-  if (!state_->connection ||
-      natsConnection_Status(state_->connection.get()) != NATS_CONN_STATUS_CONNECTED)
+  if (!state_->connection) return false;
+  if (natsConnection_Status(state_->connection.get()) != NATS_CONN_STATUS_CONNECTED) {
+    if (now - state_->last_ready > kPatience) state_->disconnect();
     return false;
+  }
+  state_->last_ready = now;
   state_->send_replies();
   if (!state_->spec.streams.create || state_->has_streams) return true;
   if (now < state_->next_attempt) return false;
