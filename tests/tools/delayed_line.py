@@ -42,6 +42,11 @@ class DelayedLine:
         self.loop.run_forever()
         self._set(True)
         listener.close()
+        tasks = asyncio.all_tasks(self.loop)
+        for task in tasks:
+            task.cancel()
+        self.loop.run_until_complete(asyncio.gather(*tasks, return_exceptions=True))
+        self.loop.close()
 
     async def _accept(self, reader, writer):
         self.writers.add(writer)

@@ -5,6 +5,7 @@ https://docs.nats.io/reference/reference-protocols/nats-protocol, .../nats_api_r
 """
 
 import base64
+import contextlib
 import json
 import os
 import shutil
@@ -19,10 +20,19 @@ SECONDS = 20
 PROGRAM = shutil.which("nats-server", path=os.environ.get("PATH", "") + ":/usr/sbin")
 
 
+_next_port = 20000 + os.getpid() * 7 % 10000
+
+
 def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+    """Returns a port that this process has not got before. It is below the ports that the kernel assigns to connections, so that a killed
+    server gets its port again."""
+    global _next_port
+    while True:
+        _next_port = 20000 + (_next_port - 20000 + 1) % 10000
+        with contextlib.suppress(OSError), socket.socket() as one:
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            one.bind(("127.0.0.1", _next_port))
+            return _next_port
 
 
 class NatsServer:
@@ -37,7 +47,8 @@ class NatsServer:
 
     def start(self):
         with open(os.path.join(self.folder, "nats.log"), "a", encoding="utf-8") as log:
-            self.process = subprocess.Popen([self.program, "-c", self.config], stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+            self.process = subprocess.Popen([self.program, "-c", self.config], stdout=log, stderr=log, stdin=subprocess.DEVNULL,
+                                            start_new_session=True)
         wait_until(self._listens, SECONDS, self.log)
         return self
 
@@ -62,7 +73,7 @@ class NatsServer:
 
 
 def cluster(folder, size, program=PROGRAM):
-    """Servers of one cluster, each with its own folder; not started."""
+    """Servers of one cluster, each with its own folder; not started. Clients use only the addresses of their configuration."""
     ports = [free_port() for _ in range(size)]
     routes = ", ".join(f'"nats-route://127.0.0.1:{port}"' for port in ports)
     servers = []
@@ -70,7 +81,7 @@ def cluster(folder, size, program=PROGRAM):
         path = os.path.join(folder, f"node-{number}")
         os.mkdir(path)
         servers.append(NatsServer(path, f"""server_name: node-{number}
-cluster {{ name: test, listen: "127.0.0.1:{port}", routes: [{routes}] }}""", program))
+cluster {{ name: test, listen: "127.0.0.1:{port}", no_advertise: true, routes: [{routes}] }}""", program))
     return servers
 
 
@@ -82,11 +93,15 @@ class Message:
 class NatsClient:
     """One connection. The caller receives one message after the other."""
 
-    def __init__(self, port, seconds=SECONDS):
+    def __init__(self, port, seconds=SECONDS, tls=None):
+        """`tls`: an ssl.SSLContext."""
         self.socket = socket.create_connection(("127.0.0.1", port), seconds)
-        self.file = self.socket.makefile("rb")
+        self.file = self.socket.makefile("rb", 0 if tls else -1)
         self._line()  # INFO
-        self._send(b'CONNECT {"verbose":false,"pedantic":false,"headers":true,"no_responders":true,"lang":"python","version":"1"}\r\n')
+        if tls:
+            self.socket = tls.wrap_socket(self.socket)
+            self.file = self.socket.makefile("rb")
+        self.send(b'CONNECT {"verbose":false,"pedantic":false,"headers":true,"no_responders":true,"lang":"python","version":"1"}\r\n')
         self.subscriptions = 0
 
     def close(self):
@@ -99,7 +114,7 @@ class NatsClient:
     def __exit__(self, *_):
         self.close()
 
-    def _send(self, data):
+    def send(self, data):
         self.socket.sendall(data)
 
     def _line(self):
@@ -110,17 +125,17 @@ class NatsClient:
 
     def subscribe(self, subject):
         self.subscriptions += 1
-        self._send(f"SUB {subject} {self.subscriptions}\r\n".encode())
+        self.send(f"SUB {subject} {self.subscriptions}\r\n".encode())
 
     def publish(self, subject, data=b"", reply=""):
-        self._send(f"PUB {subject} {reply} {len(data)}\r\n".encode() + data + b"\r\n")
+        self.send(f"PUB {subject} {reply} {len(data)}\r\n".encode() + data + b"\r\n")
 
     def receive(self):
         while True:
             line = self._line()
             words = line.split(" ")
             if words[0] == "PING":
-                self._send(b"PONG\r\n")
+                self.send(b"PONG\r\n")
             elif words[0] == "-ERR":
                 raise Failure(line)
             elif words[0] in ("MSG", "HMSG"):
@@ -148,6 +163,23 @@ class NatsClient:
             "deliver_subject": inbox, "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant"}})
         self.subscribe(inbox)  # the consumer delivers from now on
         return [self.receive() for _ in range(made["num_pending"])]
+
+    def pages(self, stream, size=500):
+        """Yields the messages of a stream in its order, `size` at a time: for streams that do not fit in the server's buffer of a client."""
+        made = self.request(f"$JS.API.CONSUMER.CREATE.{stream}", {"stream_name": stream, "config": {
+            "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant"}})
+        inbox = f"_INBOX.{os.getpid()}.{time.monotonic_ns()}"
+        self.subscribe(inbox)
+        left = made["num_pending"]
+        while left > 0:
+            count = min(left, size)
+            self.publish(f"$JS.API.CONSUMER.MSG.NEXT.{stream}.{made['name']}", json.dumps({"batch": count}).encode(), inbox)
+            for _ in range(count):
+                message = self.receive()
+                if not message.reply:
+                    raise Failure(f"{stream}: the server sent a status instead of a message: {message.headers}")
+                yield message
+            left -= count
 
     def last(self, stream, subject):
         """The data of the last message of a subject."""

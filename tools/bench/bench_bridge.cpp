@@ -1,15 +1,19 @@
 // The DDS part of a bridge in its own process, without wires: publishes every channel once a second
 // in blocks of 50.
 //
-// usage: bench_bridge DOMAIN BUSES CHANNELS [real]
+// usage: bench_bridge DOMAIN BUSES CHANNELS [real] [--record FILE]
 //
 // The values are the number of the round; with `real`, they are 32-bit numbers that change a little
-// in each round, like measured ones.
+// in each round, like measured ones. With --record, each block is appended to FILE before it is
+// published: "epoch BUS EPOCH" for each bus, then "FIRST COUNT ROUND TIME" for each block: the
+// first channel, the number of channels, the sequence of their samples, and the time of acquisition
+// in nanoseconds since 1970.
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -45,7 +49,7 @@ double measured(std::size_t channel, std::uint64_t round) {
   return static_cast<float>(50 + 20 * std::sin(phase) + static_cast<double>(noise) * 1e-8);
 }
 
-void run(unsigned domain, int buses, std::size_t channels, bool real) {
+void run(unsigned domain, int buses, std::size_t channels, bool real, const std::string& path) {
   DdsSpec dds;
   dds.domain = domain;
   DdsLink link(dds, "bench",
@@ -58,6 +62,10 @@ void run(unsigned domain, int buses, std::size_t channels, bool real) {
     names.push_back("bus-" + std::to_string(b));
     link.add_bus(bus_of(names.back(), channels));
   }
+  std::ofstream record;
+  if (!path.empty()) record.open(path, std::ios::app);
+  for (const StandbyBusFigures& figures : link.stream_figures())
+    record << "epoch " << figures.bus << ' ' << figures.epoch << std::endl;
   std::uint64_t round = 0;
   auto due = std::chrono::steady_clock::now();
   const std::size_t blocks = (channels + kBlock - 1) / kBlock;
@@ -65,10 +73,13 @@ void run(unsigned domain, int buses, std::size_t channels, bool real) {
   while (!stopped) {
     ++round;
     for (std::size_t first = 0; first < channels && !stopped; first += kBlock) {
+      const UtcMapping now = read_clocks();
+      const std::size_t end = std::min(channels, first + kBlock);
+      record << first << ' ' << end - first << ' ' << round << ' ' << now.utc.nanoseconds
+             << std::endl;
       for (const std::string& name : names) {
         std::vector<Sample> samples;
-        const UtcMapping now = read_clocks();
-        for (std::size_t i = first; i < std::min(channels, first + kBlock); ++i) {
+        for (std::size_t i = first; i < end; ++i) {
           Sample& sample = samples.emplace_back();
           sample.channel = static_cast<ChannelIndex>(i);
           sample.value = real ? Value{measured(i, round)} : Value{round};
@@ -96,6 +107,6 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { stopped = true; });
   return run_bench("bench_bridge", [&] {
     run(arguments.number_at(0, 0u), arguments.number_at(1, 0),
-        arguments.number_at(2, std::size_t{}), arguments.has("real"));
+        arguments.number_at(2, std::size_t{}), arguments.has("real"), arguments.text("--record"));
   });
 }
