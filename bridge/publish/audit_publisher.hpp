@@ -1,5 +1,5 @@
-// Publishes audit entries on DDS and passes them to the store, if there is one. Never blocks: of too
-// many entries that wait, the oldest ones are not published.
+// Publishes audit entries on DDS and passes them to the store, if there is one. Never blocks: of
+// too many entries that wait, the oldest ones are not published.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // A Kafka cluster of one broker in memory: the mock cluster of librdkafka. Prints HOST:PORT.
 //
-// Reads commands from the standard input, one each line, and prints "done" after each: "down" closes
-// the connections and refuses further ones, "up" ends this, "refuse" rejects the next 4 Produce
-// requests as too large. Ends with its input.
+// Reads commands from the standard input, one each line, and prints "done" after each: "down"
+// closes the connections and refuses further ones, "up" ends this, "refuse" rejects the next 4
+// Produce requests as too large. Ends with its input.
 #include <librdkafka/rdkafka.h>
 #include <librdkafka/rdkafka_mock.h>
 #include <stdio.h>

@@ -57,8 +57,8 @@ class DdsLink {
     BridgeHandlers bridges{};  // set all of them or none
     // An operator's action on an alarm of an added bus; complete() responds. Null: not received.
     std::function<void(AlarmAction action)> on_alarm_action{};
-    // A request for stored samples of any bus; respond() responds. `fault`: why it breaks the rules,
-    // or empty. Null: not received.
+    // A request for stored samples of any bus; respond() responds. `fault`: why it breaks the
+    // rules, or empty. Null: not received.
     std::function<void(HistoryRequest request, std::string fault)> on_history{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};

@@ -1,5 +1,5 @@
-// Table bus_epochs: the epochs of the catalogue of each bus, in UTC nanoseconds. A sample belongs to
-// the last epoch that began before it was published. Everything throws StoreError.
+// Table bus_epochs: the epochs of the catalogue of each bus, in UTC nanoseconds. A sample belongs
+// to the last epoch that began before it was published. Everything throws StoreError.
 #pragma once
 
 #include <cstdint>

@@ -163,6 +163,21 @@ TEST_F(SenderTest, OldRecordsAreLateAndWaitingOnesAreMerged) {
   EXPECT_EQ(engine.sent.size(), 2u);
 }
 
+TEST_F(SenderTest, RecordsThatTheOutletDidNotAcceptInTimeBecomeLate) {
+  append(0, 3);
+  engine.outcome = Outcome::kFailed;
+  Sender sending({.in_flight = 4, .late_after = std::chrono::milliseconds{300}}, queue);
+  sending.start(std::make_unique<EngineOutlet>(engine, sending));
+  ASSERT_TRUE(engine.wait([this] { return engine.late > 0; }));
+  {
+    const std::lock_guard lock(engine.mutex);
+    engine.outcome = Outcome::kAcknowledged;
+  }
+  ASSERT_TRUE(is_empty_in_time());
+  sending.stop();
+  EXPECT_EQ(sending.counters().late, 3u);
+}
+
 TEST_F(SenderTest, AfterAStepOfTheClockEveryRecordIsSentInItsOrder) {
   constexpr std::int64_t kHour = 3'600'000'000'000;
   const std::int64_t now = read_clocks().utc.nanoseconds;

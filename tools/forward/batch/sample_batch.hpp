@@ -47,7 +47,8 @@ struct DeviceCatalogue {
 [[nodiscard]] std::uint64_t identity_of(const StationAlarmStatus& alarm);
 [[nodiscard]] std::uint64_t identity_of(const AuditReport& entry);
 
-// The newest sample of a channel, state of an alarm, or entry of a bridge's audit that was accepted.
+// The newest sample of a channel, state of an alarm, or entry of a bridge's audit that was
+// accepted.
 struct Position {
   std::uint64_t epoch = 0;     // 0 for an alarm
   std::uint64_t sequence = 0;  // of an alarm: its identity; of the audit: the number

@@ -1,5 +1,6 @@
-// The commands that were passed to a bridge, and their results, in a SQLite file: a repeated request
-// gets the first result, also after a restart. Not thread-safe. All functions throw StoreError.
+// The commands that were passed to a bridge, and their results, in a SQLite file: a repeated
+// request gets the first result, also after a restart. Not thread-safe. All functions throw
+// StoreError.
 #pragma once
 
 #include <memory>

@@ -53,8 +53,8 @@ class Outlet {
   virtual ~Outlet() = default;
   // Connects if necessary. Returns true if records can be sent. May block for a few seconds.
   [[nodiscard]] virtual bool is_ready(Instant now) = 0;
-  // Returns the size of the message in bytes. Empty if it was not sent; then there is no result, and
-  // the record is sent again later. The lane of `record` has no other record without a result.
+  // Returns the size of the message in bytes. Empty if it was not sent; then there is no result,
+  // and the record is sent again later. The lane of `record` has no other record without a result.
   [[nodiscard]] virtual std::optional<std::size_t> send(const Record& record) = 0;
   // Called after the records of a turn were sent: an engine with transactions commits here. May
   // block for a few seconds.

@@ -58,9 +58,9 @@ class Queue {
     std::vector<Record> records;
     std::uint64_t read_to = 0;  // the end of the range if nothing is left in it
   };
-  // Reads a part of the range, in its order. Records of one device that were not sent yet are merged
-  // in the file, up to kMergedBytes and kMergedSamples. A record that was read once is never merged
-  // again: the identity of a message that was sent stays the same after a crash.
+  // Reads a part of the range, in its order. Records of one device that were not sent yet are
+  // merged in the file, up to kMergedBytes and kMergedSamples. A record that was read once is never
+  // merged again: the identity of a message that was sent stays the same after a crash.
   [[nodiscard]] Batch read(const Range& range);
   // The last record after `after` that was appended before `before`; 0 if there is none.
   [[nodiscard]] std::uint64_t last_before(UtcTime before, std::uint64_t after);

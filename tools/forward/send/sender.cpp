@@ -91,10 +91,19 @@ void Sender::turn(Instant now) {
     return;
   }
   if (report) outlet_->report(*report);
+  if (has_outdated(now)) unload();
   load(now);
   send(now);
   outlet_->flush();
   take_results(steady_now());
+}
+
+bool Sender::has_outdated(Instant now) const {
+  if (window_.in_flight() != 0) return false;
+  const auto first = std::find_if(loaded_.begin(), loaded_.end(), [](const auto& each) {
+    return each.second.record.kind == RecordKind::kSamples && !each.second.record.is_late;
+  });
+  return first != loaded_.end() && now - first->second.loaded > spec_.late_after;
 }
 
 void Sender::unload() {
@@ -112,22 +121,22 @@ void Sender::load(Instant now) {
   for (bool has_more = true; has_more && memory_.has_space();) {
     const Queue::Range range{read_to_, queue_.last(), unread_after_};
     has_more = range.to > range.after;
-    if (has_more) read_to_ = read(range, false);
+    if (has_more) read_to_ = read(range, false, now);
   }
   while (!late_.empty() && late_memory_.has_space()) {
     Queue::Range& range = late_.front();
-    range.after = read(range, true);
+    range.after = read(range, true, now);
     if (range.after >= range.to) late_.pop_front();
   }
 }
 
 // Returns the id of the last record that was read.
-std::uint64_t Sender::read(const Queue::Range& range, bool late) {
+std::uint64_t Sender::read(const Queue::Range& range, bool late, Instant now) {
   Queue::Batch batch = queue_.read(range);
   unread_after_ = std::max(unread_after_, batch.read_to);
   for (Record& record : batch.records) {
     record.is_late = record.is_late || (late && record.kind == RecordKind::kSamples);
-    add(std::move(record));
+    add(std::move(record), now);
   }
   return batch.read_to;
 }
@@ -145,13 +154,13 @@ void Sender::shift_late(Instant now) {
   read_to_ = last;
 }
 
-void Sender::add(Record record) {
+void Sender::add(Record record, Instant now) {
   Memory& memory = memory_of(record);
   ++memory.records;
   memory.bytes += record.body.size();
   window_.add(record.id, lane_of(record));
   const std::uint64_t id = record.id;
-  loaded_.emplace(id, Loaded{std::move(record)});
+  loaded_.emplace(id, Loaded{std::move(record), 0, {}, now});
 }
 
 void Sender::take_results(Instant now) {
@@ -161,9 +170,10 @@ void Sender::take_results(Instant now) {
     const bool is_failed = result.outcome == Outcome::kFailed;
     // Records of an earlier connection are not in flight: they are sent again.
     if (!(is_failed ? window_.fail(result.record) : window_.finish(result.record))) continue;
-    const auto& [record, bytes, sent] = loaded->second;
+    const Record& record = loaded->second.record;
+    const std::size_t bytes = loaded->second.bytes;
     if (record.is_late && result.outcome == Outcome::kAcknowledged) {
-      late_window_.acknowledged(bytes, now - sent, now);
+      late_window_.acknowledged(bytes, now - loaded->second.sent, now);
       added.late += record.samples;
     } else if (record.is_late) {
       late_window_.failed(bytes);

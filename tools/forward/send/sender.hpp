@@ -66,7 +66,7 @@ class Sender {
   struct Loaded {
     Record record;
     std::size_t bytes = 0;  // of its message, while it is in flight
-    Instant sent{};
+    Instant sent{}, loaded{};
   };
   struct Memory {
     std::size_t records = 0, bytes = 0;
@@ -78,9 +78,11 @@ class Sender {
   // Forgets what was read: the queue is read again when the outlet is ready.
   void unload();
   void load(Instant now);
-  std::uint64_t read(const Queue::Range& range, bool late);
+  std::uint64_t read(const Queue::Range& range, bool late, Instant now);
   void shift_late(Instant now);
-  void add(Record record);
+  void add(Record record, Instant now);
+  // New records in memory that became too old, because the outlet accepted none for a time.
+  [[nodiscard]] bool has_outdated(Instant now) const;
   void take_results(Instant now);
   void send(Instant now);
   void wait(Instant now);

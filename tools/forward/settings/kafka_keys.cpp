@@ -31,6 +31,7 @@ const Rows<KafkaTopics>& topic_rows() {
           topic("alarms", "`fieldcast-alarm`", "of alarms", &KafkaTopics::alarms),
           topic("catalogues", "`fieldcast-catalogue`", "of catalogues; a compacted topic",
                 &KafkaTopics::catalogues),
+          topic("audit", "`fieldcast-audit`", "of the audit", &KafkaTopics::audit),
       });
   return rows;
 }

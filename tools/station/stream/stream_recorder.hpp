@@ -16,8 +16,8 @@
 namespace fieldcast::web {
 
 // The time of each sample in the store. A bad sample has none of its own: it gets the time directly
-// before the next good sample of its channel in this batch. Without one, it gets the newest time of a
-// good sample in the batch. Without any, it gets the time at which the server has stored the
+// before the next good sample of its channel in this batch. Without one, it gets the newest time of
+// a good sample in the batch. Without any, it gets the time at which the server has stored the
 // message, or for a late batch the newest time in it. An acquisition more
 // than kMaxAhead after that is not believed.
 inline constexpr Duration kMaxAhead = std::chrono::minutes{10};

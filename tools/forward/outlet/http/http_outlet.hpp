@@ -1,6 +1,6 @@
 // The outlet for an engine that receives data by HTTP: the records of a turn are the body of one
-// request. If the server refuses it, each record is sent in a request of its own, to find those that
-// it refuses. After a failure, the files of the login are read again. Has no threads.
+// request. If the server refuses it, each record is sent in a request of its own, to find those
+// that it refuses. After a failure, the files of the login are read again. Has no threads.
 #pragma once
 
 #include <functional>

@@ -21,7 +21,8 @@ class LineEncoder {
 
   std::optional<std::string> operator()(const Record& record) {
     switch (record.kind) {
-      case RecordKind::kCatalogue: return std::string();
+      case RecordKind::kCatalogue:
+      case RecordKind::kAudit: return std::string();
       case RecordKind::kAlarm:
         if (const auto alarm = decode_alarm(record.body)) return to_line(site_, *alarm);
         return std::nullopt;

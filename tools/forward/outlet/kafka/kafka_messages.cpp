@@ -10,6 +10,7 @@ const std::string& topic_of(const KafkaTopics& topics, const Record& record) {
   switch (record.kind) {
     case RecordKind::kCatalogue: return topics.catalogues;
     case RecordKind::kAlarm: return topics.alarms;
+    case RecordKind::kAudit: return topics.audit;
     case RecordKind::kSamples: break;
   }
   return record.is_late ? topics.late_samples : topics.samples;

@@ -13,7 +13,7 @@ enum class KafkaMechanism : std::uint8_t { kScramSha512, kScramSha256, kPlain };
 
 struct KafkaTopics {
   std::string samples = "fieldcast", late_samples = "fieldcast-late", alarms = "fieldcast-alarm",
-              catalogues = "fieldcast-catalogue";
+              catalogues = "fieldcast-catalogue", audit = "fieldcast-audit";
   friend bool operator==(const KafkaTopics&, const KafkaTopics&) = default;
 };
 

@@ -64,8 +64,9 @@ class MqttClient {
   // Returns the id of the message; a message with QoS 1 has an event with it.
   [[nodiscard]] tl::expected<int, Fault> publish(const MqttMessage& message);
   [[nodiscard]] bool subscribe(const std::string& filter);
-  // Requests an event when the server has processed everything before: it responds to an UNSUBSCRIBE
-  // in the order of the connection, and the filter has no subscription (MQTT 3.1.1, 3.10.4).
+  // Requests an event when the server has processed everything before: it responds to an
+  // UNSUBSCRIBE in the order of the connection, and the filter has no subscription (MQTT 3.1.1,
+  // 3.10.4).
   [[nodiscard]] std::optional<int> confirm();
   // Sends DISCONNECT after all messages, with `publish_will` for MQTT 5 that with its will, and
   // waits at most a second.

@@ -38,6 +38,7 @@ std::optional<std::vector<MqttMessage>> MqttMessages::of(const Record& record) {
   switch (record.kind) {
     case RecordKind::kCatalogue: return catalogue(record);
     case RecordKind::kAlarm: return alarm(record);
+    case RecordKind::kAudit: return audit(record);
     case RecordKind::kSamples: break;
   }
   return samples(record);
@@ -79,6 +80,13 @@ std::optional<std::vector<MqttMessage>> MqttMessages::catalogue(const Record& re
   }
   known = std::move(topics);
   return messages;
+}
+
+std::optional<std::vector<MqttMessage>> MqttMessages::audit(const Record& record) const {
+  const auto decoded = decode_audit(record.body);
+  if (!decoded) return std::nullopt;
+  return std::vector<MqttMessage>{
+      {audit_topic(spec_.prefix, site_, decoded->bridge), to_json(site_, *decoded), 1, false}};
 }
 
 std::optional<std::vector<MqttMessage>> MqttMessages::alarm(const Record& record) const {

@@ -28,6 +28,7 @@ class MqttMessages {
   [[nodiscard]] std::optional<std::vector<MqttMessage>> samples(const Record& record);
   [[nodiscard]] std::optional<std::vector<MqttMessage>> catalogue(const Record& record);
   [[nodiscard]] std::optional<std::vector<MqttMessage>> alarm(const Record& record) const;
+  [[nodiscard]] std::optional<std::vector<MqttMessage>> audit(const Record& record) const;
 
   const MqttSpec spec_;
   const std::string site_;

@@ -155,8 +155,8 @@ void MqttSession::restart(const std::optional<MqttMessage>& last, bool publish_w
   reconnect(reason, now);
 }
 
-// The server closes a connection without reading its DISCONNECT if it cannot send a PUBACK, and then
-// publishes the will.
+// The server closes a connection without reading its DISCONNECT if it cannot send a PUBACK, and
+// then publishes the will.
 void MqttSession::wait_for_acknowledgements() {
   const Instant limit = steady_now() + kClosing;
   while (client_ && client_->state() == MqttState::kOpen && deliveries_.messages() != 0 &&

@@ -1,5 +1,5 @@
-// Keeps a connection to one of the servers: opens it, tries the next server after a loss, and ends it
-// if an acknowledgement is missing. Matches acknowledgements to records. One owner, one thread.
+// Keeps a connection to one of the servers: opens it, tries the next server after a loss, and ends
+// it if an acknowledgement is missing. Matches acknowledgements to records. One owner, one thread.
 #pragma once
 
 #include <functional>
@@ -54,8 +54,8 @@ class MqttSession {
   // As close(), and then as reconnect().
   void restart(const std::optional<MqttMessage>& last, bool publish_will, const std::string& reason,
                Instant now);
-  // Ends the connection in order after `last` and pending acknowledgements, if it is open. Blocks at
-  // most two seconds.
+  // Ends the connection in order after `last` and pending acknowledgements, if it is open. Blocks
+  // at most two seconds.
   void close(const std::optional<MqttMessage>& last, bool publish_will);
 
   [[nodiscard]] std::vector<OutletResult> take_results();

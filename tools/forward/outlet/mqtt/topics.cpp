@@ -40,6 +40,10 @@ std::string alarm_topic(std::string_view prefix, std::string_view site, const Al
                      topic_level(alarm.channel), to_text(alarm.limit));
 }
 
+std::string audit_topic(std::string_view prefix, std::string_view site, std::string_view bridge) {
+  return fmt::format("{}-audit/{}/{}", prefix, topic_level(site), topic_level(bridge));
+}
+
 std::string catalogue_topic(std::string_view prefix, std::string_view site, const Record& record) {
   return device_topic(fmt::format("{}-catalogue", prefix), site, record.bus, record.device);
 }

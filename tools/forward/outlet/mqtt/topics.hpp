@@ -17,6 +17,8 @@ namespace fieldcast::forward {
 [[nodiscard]] std::string sample_topics(std::string_view prefix, std::string_view site,
                                         const Record& record);
 // "PREFIX-alarm/SITE/BUS/DEVICE/CHANNEL/high".
+[[nodiscard]] std::string audit_topic(std::string_view prefix, std::string_view site,
+                                      std::string_view bridge);
 [[nodiscard]] std::string alarm_topic(std::string_view prefix, std::string_view site,
                                       const AlarmKey& alarm);
 // "PREFIX-catalogue/SITE/BUS/DEVICE".

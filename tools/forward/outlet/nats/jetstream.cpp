@@ -21,8 +21,8 @@ namespace {
 
 constexpr const char* kSubject = "jetstream";
 constexpr Duration kPause = std::chrono::seconds{2};  // after a failed attempt
-// The library reconnects by itself, but it waits by the system clock: after a step back, for as long
-// as the step. Then a new connection is made.
+// The library reconnects by itself, but it waits by the system clock: after a step back, for as
+// long as the step. Then a new connection is made.
 constexpr Duration kPatience = std::chrono::seconds{15};
 constexpr std::int64_t kCloseMs = 5'000;
 constexpr std::size_t kMaxRequest = 64 * 1024;  // bytes of a command that are kept

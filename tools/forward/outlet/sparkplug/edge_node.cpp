@@ -120,6 +120,7 @@ std::optional<EdgeNode::Messages> EdgeNode::messages(const Record& record, UtcTi
   switch (record.kind) {
     case RecordKind::kCatalogue: return catalogue(record);
     case RecordKind::kAlarm: return alarm(record, now);
+    case RecordKind::kAudit: return Messages{};  // Sparkplug has no place for it
     case RecordKind::kSamples: break;
   }
   return samples(record, now);

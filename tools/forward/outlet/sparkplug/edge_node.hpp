@@ -31,8 +31,8 @@ class EdgeNode {
   // NBIRTH, and DBIRTH of all devices that are not dead.
   [[nodiscard]] std::vector<MqttMessage> births(UtcTime now);
 
-  // The messages of a record; there may be none. Begins with DBIRTH if the device needs one, and ends
-  // with DDEATH if no channel of the device responds. Empty if the record cannot be decoded.
+  // The messages of a record; there may be none. Begins with DBIRTH if the device needs one, and
+  // ends with DDEATH if no channel of the device responds. Empty if the record cannot be decoded.
   [[nodiscard]] std::optional<std::vector<MqttMessage>> messages(const Record& record, UtcTime now);
 
   [[nodiscard]] std::string command_topic() const { return node_topic("NCMD"); }

@@ -10,8 +10,8 @@ namespace fieldcast::forward {
 
 class PrimaryHost {
  public:
-  // {"online":true,"timestamp":1764360000000}. A message that is older than the last one is ignored:
-  // it is the will of an earlier session of the host. Returns false for any other text.
+  // {"online":true,"timestamp":1764360000000}. A message that is older than the last one is
+  // ignored: it is the will of an earlier session of the host. Returns false for any other text.
   bool on_state(std::string_view payload);
   [[nodiscard]] bool is_online() const { return is_online_; }
 
