@@ -160,8 +160,8 @@ class Station {
   // Requests stored samples of a bus from the store of the bridge that serves it, and blocks for
   // the response, at most `wait`. Sets requester and request_id. Continue with a further request
   // after the last row of the response, as long as `complete` is smaller than the number of
-  // channels. Fails with kNoBridge, kNoResult, kNoRight and kNoSite; then the request may be repeated.
-  // One thread at a time.
+  // channels. Fails with kNoBridge, kNoResult, kNoRight and kNoSite; then the request may be
+  // repeated. One thread at a time.
   [[nodiscard]] tl::expected<HistoryResponse, StationFault> history(
       HistoryRequest request, Duration wait = std::chrono::seconds{2});
   // Ends the reception of stored samples until the next request. The thread of history().

@@ -2,8 +2,8 @@
 // present values on a full one. Pure; one owner.
 //
 // The window grows with each acknowledgement while acknowledgements need at most kTarget longer
-// than the fastest one did. Otherwise messages wait in a buffer on the way, and the window is halved
-// once in this time (the idea of LEDBAT, RFC 6817).
+// than the fastest one did. Otherwise messages wait in a buffer on the way, and the window is
+// halved once in this time (the idea of LEDBAT, RFC 6817).
 #pragma once
 
 #include <algorithm>

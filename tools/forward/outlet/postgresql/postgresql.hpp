@@ -1,6 +1,6 @@
 // The outlet for PostgreSQL: the records of a turn are written in one transaction. A repeated
-// sample has the same key and is left out by the server. After a loss it connects again, with the files
-// of the login read again. Has no threads.
+// sample has the same key and is left out by the server. After a loss it connects again, with the
+// files of the login read again. Has no threads.
 #pragma once
 
 #include <map>
