@@ -41,7 +41,7 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   EXPECT_EQ(b.writes(), 1u);
   EXPECT_EQ(a.writes(), 0u);
   EXPECT_TRUE(audit.newest([](const AuditReport& entry) {
-    return entry.what == "write 4711" && entry.target == "two/m/r1" && entry.result == "done" &&
+    return entry.what == "write 4711" && entry.target == "two/plc/r1" && entry.result == "done" &&
            entry.number == 1 && !entry.who.empty();
   })) << "a bridge without a store publishes its audit";
 }
