@@ -16,7 +16,7 @@ import unittest
 import e2e_forward
 import e2e_station
 import nats
-from e2e_forward import Forwarder, by_channel, deduplicated
+from e2e_forward import NatsForwarder, by_channel, deduplicated
 from e2e_station import Station
 from plant import Plant, wait_until
 
@@ -65,7 +65,7 @@ class Forward(unittest.TestCase):
         e2e_forward.plant, e2e_forward.BIN_DIR = self.plant, BIN_DIR
         self.server = nats.NatsServer(self.plant.run, "", NATS_SERVER).start()
         self.addCleanup(self.server.kill)
-        self.forwarder = Forwarder(self.plant.run, f"  servers: [nats://127.0.0.1:{self.server.port}]")
+        self.forwarder = NatsForwarder(self.plant.run, f"  servers: [nats://127.0.0.1:{self.server.port}]")
         self.addCleanup(self.forwarder.stop)
 
     def stream(self):
@@ -228,11 +228,19 @@ class WithoutStore(unittest.TestCase):
         e2e_forward.plant, e2e_forward.BIN_DIR = plant, BIN_DIR
         server = nats.NatsServer(plant.run, "", NATS_SERVER).start()
         self.addCleanup(server.kill)
-        forwarder = Forwarder(plant.run, f"  servers: [nats://127.0.0.1:{server.port}]")
+        forwarder = NatsForwarder(plant.run, f"  servers: [nats://127.0.0.1:{server.port}]")
         self.addCleanup(forwarder.stop)
         forwarder.start()
-        time.sleep(4)
+
+        def has_samples():
+            try:
+                with nats.NatsClient(server.port, 3) as client:
+                    return len(client.stored("FIELDCAST")) >= 4
+            except (AssertionError, OSError):
+                return False  # the stream does not exist yet
+        wait_until(has_samples, SECONDS, forwarder.log)
         forwarder.kill()
+        time.sleep(1)  # five samples
         forwarder.start()
         wait_until(lambda: "this bridge has no store" in forwarder.log(), SECONDS, forwarder.log)
         self.assertEqual(forwarder.stop(), 0, forwarder.log())
