@@ -60,6 +60,6 @@ echo "clang-tidy: ${#checked[@]} of ${#present[@]} files that changed since ${ba
 
 # A separate build: clang cannot use GCC's precompiled headers, and sources of a unity build have no compile commands.
 cmake -S . -B build-tidy -G Ninja -DFIELDCAST_PCH=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
-ninja -C build-tidy idl/generated/idl/topics.h tools/forward/schema/forward.pb.h >/dev/null
+ninja -C build-tidy idl/generated/idl/topics.h tools/forward/schema/{forward,remote_write,sparkplug}.pb.h >/dev/null
 printf '%s\n' "${checked[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build-tidy --quiet 2>/dev/null ||
   fail "clang-tidy, see above"

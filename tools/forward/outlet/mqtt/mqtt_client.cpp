@@ -48,7 +48,7 @@ struct MqttClient::Callbacks {
                   (is_5 ? mosquitto_reason_string(code) : mosquitto_connack_string(code)));
   }
   static void on_disconnect(::mosquitto*, void* object, int code, const mosquitto_property*) {
-    if (code > MQTT_RC_NORMAL_DISCONNECTION && code >= MQTT_RC_UNSPECIFIED)
+    if (code >= MQTT_RC_UNSPECIFIED)
       self(object).finish(std::string("closed by the server: ") + mosquitto_reason_string(code));
   }
   static void on_publish(::mosquitto*, void* object, int id, int code, const mosquitto_property*) {
