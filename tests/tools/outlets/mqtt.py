@@ -59,6 +59,7 @@ class Engine:
     def close(self):
         if self.consumer is not None:
             self.consumer.stop()
+        self.stop()
 
     def pause(self):
         self.broker.pause()

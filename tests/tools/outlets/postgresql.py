@@ -54,7 +54,7 @@ class Engine:
 
     def start(self):
         self.server.start(os.path.join(self.programs(), "postgres"), "-D", self.data, "-p", str(self.port), "-k", self.data,
-                          "-c", "listen_addresses=127.0.0.1", "-c", "fsync=off", "-c", "shared_buffers=32MB", cwd="/", **self.options)
+                          "-c", "listen_addresses=127.0.0.1", "-c", "dynamic_shared_memory_type=mmap", "-c", "fsync=off", "-c", "shared_buffers=32MB", cwd="/", **self.options)
         wait_until(lambda: self.server.check() or self.psql("select 1", "postgres", check=False).returncode == 0, 20, self.server.log)
         if self.is_new:
             self.psql(f"create role north login password '{outlets.RIGHT_PASSWORD}'", "postgres")
