@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <thread>
+#include <tuple>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
@@ -158,15 +158,17 @@ void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
 void Forwarder::on_audit(const AuditReport& entry) {
   const Position position{entry.epoch, entry.number};
   const std::lock_guard lock(mutex_);
-  Position& last = alarm_positions_[position_name_of(entry)];
-  const bool is_known = position.epoch < last.epoch ||
-                        (position.epoch == last.epoch && position.sequence <= last.sequence);
-  if (is_known) return;
-  if (audit_.size() >= kMaxAlarms) {
+  const std::string name = position_name_of(entry);
+  const auto known = alarm_positions_.find(name);
+  const bool is_new = known == alarm_positions_.end();
+  if (!is_new && std::tie(position.epoch, position.sequence) <=
+                     std::tie(known->second.epoch, known->second.sequence))
+    return;
+  if (audit_.size() >= kMaxAlarms || (is_new && alarm_positions_.size() >= kMaxKnownAlarms)) {
     ++lost_alarms_;
     return;
   }
-  last = position;
+  alarm_positions_[name] = position;
   audit_.push_back(entry);
 }
 
@@ -268,22 +270,24 @@ void Forwarder::collect_fetched() {
 void Forwarder::fetch(BoundedQueue<int>& commands) {
   while (!commands.pause(kFetch)) {
     bool has_fetched = false;
-    while (!commands.closed() && fetch_part()) has_fetched = true;
+    while (!commands.closed() && fetch_part()) {
+      has_fetched = true;
+      while (is_full() && !commands.pause(kLook)) {}
+    }
     if (has_fetched) station_->end_history();
   }
 }
 
+bool Forwarder::is_full() const {
+  const std::lock_guard lock(mutex_);
+  return fetched_.size() >= kMaxFetched;
+}
+
 bool Forwarder::fetch_part() {
   std::optional<HistoryRequest> request;
-  bool is_full = false;
   {
     const std::lock_guard lock(mutex_);
-    is_full = fetched_.size() >= kMaxFetched;
-    if (!is_full) request = open_gaps_.next(steady_now(), read_clocks().utc);
-  }
-  if (is_full) {
-    std::this_thread::sleep_for(kLook);
-    return true;
+    request = open_gaps_.next(steady_now(), read_clocks().utc);
   }
   if (!request) return false;
   auto response = station_->history(*request);

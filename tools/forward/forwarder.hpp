@@ -68,6 +68,8 @@ class Forwarder {
   void fetch(BoundedQueue<int>& commands);
   // Returns false if no request is due.
   [[nodiscard]] bool fetch_part();
+  // As many responses as possible wait for the thread `gather`.
+  [[nodiscard]] bool is_full() const;
   void open(Gap gap);
   void collect_fetched();
 

@@ -52,7 +52,7 @@ void CommandService::on_request(CentreRequest request) {
 }
 
 void CommandService::refuse(const CentreRequest& request) const {
-  request.reply(to_json(refusal("", "too many commands wait at this site: repeat it later")));
+  request.reply(to_json(refusal("", "this site accepts no further command now: repeat it later")));
 }
 
 void CommandService::run(BoundedQueue<CentreRequest>& requests) {

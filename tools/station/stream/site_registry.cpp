@@ -81,15 +81,16 @@ SiteRegistry::News SiteRegistry::news(UtcTime now) {
     LiveSite& site = entry.site;
     const Duration age{saturated_difference(now.nanoseconds, site.heard_at.nanoseconds)};
     site.connected = site.heard_at.nanoseconds != 0 && age < kSilent;
-    if (entry.told) {
-      LiveSite same = *entry.told;
+    if (entry.reported) {
+      LiveSite same = *entry.reported;
       const Duration passed{
           saturated_difference(site.heard_at.nanoseconds, same.heard_at.nanoseconds)};
       if (passed < kHeardPeriod) same.heard_at = site.heard_at;
       if (same == site) continue;
     }
-    if (!site.connected && (!entry.told || entry.told->connected)) news.silent.push_back(name);
-    entry.told = site;
+    if (!site.connected && (!entry.reported || entry.reported->connected))
+      news.silent.push_back(name);
+    entry.reported = site;
     news.changed.push_back(site);
   }
   return news;

@@ -45,7 +45,7 @@ class SiteRegistry {
  private:
   struct Entry {
     LiveSite site;
-    std::optional<LiveSite> told;  // by the last news
+    std::optional<LiveSite> reported;  // by the last news
   };
   // Returns null for a further site. REQUIRES: mutex_ is held.
   Entry* entry_of(const std::string& site);

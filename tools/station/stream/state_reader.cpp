@@ -111,8 +111,8 @@ class StateReader {
     LiveStream stream;
     stream.reason = ready ? shared_.fault() : session_.fault();
     stream.connected = ready && stream.reason.empty();
-    if (told_ == stream) return;
-    told_ = stream;
+    if (reported_ == stream) return;
+    reported_ = stream;
     inbox_.put(stream);
   }
 
@@ -125,7 +125,7 @@ class StateReader {
   forward::NatsWatcher watcher_;
   forward::NatsSubscription alarms_;
   Instant next_{}, next_attempt_{};
-  std::optional<LiveStream> told_;
+  std::optional<LiveStream> reported_;
   std::set<std::string> sites_of_alarms_;
 };
 
