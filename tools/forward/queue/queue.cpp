@@ -240,8 +240,13 @@ void Queue::drop(const std::vector<SqlRow>& rows, Counters& counters) {
 }
 
 Queue::Batch Queue::read(const Range& range) {
+  Batch batch;
+  write([&] { batch = read_part(range); });
+  return batch;
+}
+
+Queue::Batch Queue::read_part(const Range& range) {
   constexpr std::size_t kMostRows = 4096, kMostRead = 2u << 20;
-  const std::lock_guard lock(mutex_);
   Merging merging(kMergedBytes, kMergedSamples);
   Batch batch{.records = {}, .read_to = range.to};
   std::size_t rows = 0, bytes = 0;
@@ -270,14 +275,7 @@ Queue::Batch Queue::read(const Range& range) {
 void Queue::store(const Merging::Result& result, const Range& range) {
   Counters counters = counters_;
   SqlTransaction transaction(*connection_);
-  const auto remove_row = [&](std::uint64_t id) {
-    connection_->query(kRemove, {as_integer(id)}, [&counters](const SqlRow& row) {
-      --counters.records;
-      counters.bytes -= number_at(row, 1);
-      return true;
-    });
-  };
-  for (const std::uint64_t id : result.removed) remove_row(id);
+  for (const std::uint64_t id : result.removed) remove_row(id, counters);
   for (const Record& record : result.records) {
     if (!result.merged.contains(record.id)) continue;
     const std::uint64_t bytes = record.body.size() + kRowBytes;
@@ -316,16 +314,18 @@ void Queue::remove(std::span<const std::uint64_t> ids) {
 void Queue::remove_all(std::span<const std::uint64_t> ids) {
   Counters counters = counters_;
   SqlTransaction transaction(*connection_);
-  for (const std::uint64_t id : ids) {
-    // A record that was dropped meanwhile is not counted a second time.
-    connection_->query(kRemove, {as_integer(id)}, [&counters](const SqlRow& row) {
-      --counters.records;
-      counters.bytes -= number_at(row, 1);
-      return true;
-    });
-  }
+  for (const std::uint64_t id : ids) remove_row(id, counters);
   transaction.commit();
   counters_ = counters;
+}
+
+// A record that was dropped meanwhile is not counted a second time.
+void Queue::remove_row(std::uint64_t id, Counters& counters) {
+  connection_->query(kRemove, {as_integer(id)}, [&counters](const SqlRow& row) {
+    --counters.records;
+    counters.bytes -= number_at(row, 1);
+    return true;
+  });
 }
 
 void Queue::clean(UtcTime now) {

@@ -103,7 +103,9 @@ class Queue {
                   UtcTime now, std::span<const GapChange> gaps);
   void keep(const GapChange& change);
   void remove_all(std::span<const std::uint64_t> ids);
+  [[nodiscard]] Batch read_part(const Range& range);
   void store(const Merging::Result& result, const Range& range);
+  void remove_row(std::uint64_t id, Counters& counters);
   void make_space(Counters& counters);
   // Return false if no record is left to thin or to drop.
   [[nodiscard]] bool thin_oldest(Counters& counters);
