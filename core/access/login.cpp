@@ -9,6 +9,7 @@ std::string_view to_text(Role role) {
     case Role::kViewer: return "viewer";
     case Role::kOperator: return "operator";
     case Role::kProgrammer: return "programmer";
+    case Role::kEngineer: return "engineer";
   }
   return "?";
 }

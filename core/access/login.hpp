@@ -17,10 +17,12 @@ enum class Role : std::uint8_t {
   kViewer,      // read stored data
   kOperator,    // also write values
   kProgrammer,  // also access a device with its programming software
+  kEngineer,    // also change configurations and dashboards
 };
-inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgrammer};
+inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgrammer,
+                                   Role::kEngineer};
 
-[[nodiscard]] std::string_view to_text(Role role);  // "viewer", "operator", "programmer"
+[[nodiscard]] std::string_view to_text(Role role);  // "viewer", "operator", ...
 [[nodiscard]] std::optional<Role> role_from(std::string_view text);
 [[nodiscard]] constexpr bool may(Role role, Role needed) { return role >= needed; }
 

@@ -84,6 +84,7 @@ std::optional<Role> local_role_of(const StationSpec& spec, std::optional<std::si
       case LocalRole::kNone: return std::nullopt;
       case LocalRole::kViewer: return Role::kViewer;
       case LocalRole::kOperator: return Role::kOperator;
+      case LocalRole::kEngineer: return Role::kEngineer;
     }
   }
   if (!spec.store || users == 0u) return Role::kViewer;

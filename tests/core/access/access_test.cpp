@@ -30,6 +30,17 @@ TEST(Network, HoldsTheAddressesOfItsPrefix) {
     EXPECT_FALSE(holds(text)) << text;
 }
 
+TEST(Role, EachIncludesThoseBefore) {
+  EXPECT_EQ(role_from("engineer"), Role::kEngineer);
+  EXPECT_EQ(role_from("administrator"), std::nullopt);
+  for (const Role role : kRoles) {
+    EXPECT_EQ(role_from(to_text(role)), role);
+    EXPECT_TRUE(may(Role::kEngineer, role));
+    EXPECT_TRUE(may(role, Role::kViewer));
+  }
+  EXPECT_FALSE(may(Role::kProgrammer, Role::kEngineer));
+}
+
 TEST(Network, AnAddressIsReadInEverySpellingOfASocket) {
   for (const auto text : {"[fd00::7] in fd00::/8", "[fe80::7%eth0] in fe80::/10",
                           "::ffff:10.0.0.7 in 10.0.0.0/8", "[::ffff:10.0.0.7] in 10.0.0.0/8"})

@@ -162,7 +162,7 @@ TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
             AccessAction::kRemove);
   EXPECT_EQ(parse({"user", "add", "eve", "--password", "x"}).error().code, ExitCode::kUsage);
   EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text,
-              HasSubstr("viewer, operator or programmer"));
+              HasSubstr("viewer, operator, programmer or engineer"));
   EXPECT_EQ(parse({"user"}).error().code, ExitCode::kUsage);
 }
 

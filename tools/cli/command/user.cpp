@@ -154,11 +154,12 @@ void describe_user(CommandLine& line, UserOptions& options) {
       [&options](const std::string& text) -> std::optional<std::string> {
         const auto role = role_from(text);
         if (!role)
-          return fmt::format("'{}' is unknown; viewer, operator or programmer", printable(text));
+          return fmt::format("'{}' is unknown; viewer, operator, programmer or engineer",
+                             printable(text));
         options.role = *role;
         return std::nullopt;
       },
-      "viewer, operator or programmer (viewer)");
+      "viewer, operator, programmer or engineer (viewer)");
   add.text("--password-file", options.password_file,
            "The password is its first line; readable by you alone (chmod 600)");
   CommandLine& list = line.command("list", "List them with their roles");

@@ -30,7 +30,10 @@ constexpr int kUsualPort = 8090;
 constexpr std::size_t kMaxTexts = 64;  // entries of a list of names or sites
 
 constexpr std::pair<std::string_view, LocalRole> kLocalRoles[] = {
-    {"none", LocalRole::kNone}, {"viewer", LocalRole::kViewer}, {"operator", LocalRole::kOperator}};
+    {"none", LocalRole::kNone},
+    {"viewer", LocalRole::kViewer},
+    {"operator", LocalRole::kOperator},
+    {"engineer", LocalRole::kEngineer}};
 
 struct RecordSpec {
   std::vector<std::string> patterns{"*"};

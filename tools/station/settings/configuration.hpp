@@ -15,7 +15,7 @@
 
 namespace fieldcast::web {
 
-enum class LocalRole : std::uint8_t { kNone, kViewer, kOperator };
+enum class LocalRole : std::uint8_t { kNone, kViewer, kOperator, kEngineer };
 
 struct WebSpec {
   ListenSpec listen{"127.0.0.1", 8090};

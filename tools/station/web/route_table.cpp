@@ -63,6 +63,7 @@ bool may_use(Access access, const std::optional<Role>& role) {
     case Access::kPublic: return true;
     case Access::kViewer: return role && may(*role, Role::kViewer);
     case Access::kOperator: return role && may(*role, Role::kOperator);
+    case Access::kEngineer: return role && may(*role, Role::kEngineer);
   }
   return false;
 }

@@ -28,6 +28,7 @@ enum class Access : std::uint8_t {
   kPublic,    // everybody
   kViewer,    // logged-in users
   kOperator,  // users who may also write
+  kEngineer,  // users who may also change configurations and dashboards
 };
 
 struct Route {

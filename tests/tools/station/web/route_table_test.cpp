@@ -20,6 +20,7 @@ class Routes : public testing::Test {
     table_.add({Method::kGet, "/api/alarms", Access::kViewer, saying("alarms")});
     table_.add({Method::kPost, "/api/commands", Access::kOperator, saying("command")});
     table_.add({Method::kDelete, "/api/commands", Access::kOperator, saying("cancel")});
+    table_.add({Method::kPost, "/api/drafts", Access::kEngineer, saying("engineer")});
   }
   std::string ask(Method method, const std::string& path, std::optional<Role> role) {
     const auto found = table_.find(method, path, role);
@@ -47,6 +48,9 @@ TEST_F(Routes, TheRoleIsChecked) {
   EXPECT_EQ(ask(Method::kGet, "/api/alarms", {}), "401");
   EXPECT_EQ(ask(Method::kPost, "/api/commands", {}), "401");
   EXPECT_EQ(ask(Method::kPost, "/api/commands", Role::kViewer), "403");
+  EXPECT_EQ(ask(Method::kPost, "/api/drafts", Role::kProgrammer), "403");
+  EXPECT_EQ(ask(Method::kPost, "/api/drafts", Role::kEngineer), "engineer");
+  EXPECT_EQ(ask(Method::kPost, "/api/commands", Role::kEngineer), "command");
 }
 
 TEST_F(Routes, AnotherMethodIsRefusedWithThoseThatAreAllowed) {
@@ -61,8 +65,8 @@ TEST_F(Routes, AnotherMethodIsRefusedWithThoseThatAreAllowed) {
 TEST_F(Routes, RowsAreInTheOrderOfTheirPaths) {
   std::vector<std::string> paths;
   for (const Route* route : table_.rows()) paths.push_back(route->path);
-  EXPECT_EQ(paths,
-            (std::vector<std::string>{"/", "/api/alarms", "/api/commands", "/api/commands"}));
+  EXPECT_EQ(paths, (std::vector<std::string>{"/", "/api/alarms", "/api/commands", "/api/commands",
+                                             "/api/drafts"}));
 }
 
 TEST_F(Routes, ARouteIsAddedOnce) {

@@ -19,6 +19,7 @@ export interface Context {
   route: Route;
   now(): number;  // the station's clock, Unix ms
   mayOperate(): boolean;  // the role allows writing and acknowledging
+  mayEngineer(): boolean;  // the role allows changing configurations and dashboards
   go(address: string): void;  // '#/live'
   say(text: string, bad?: boolean): void;  // shows a short message that disappears
 }

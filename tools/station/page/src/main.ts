@@ -64,7 +64,8 @@ function context(of: Route): Context {
   return {
     plant, live: connection, route: of, me: me!,
     now: () => connection.now(),
-    mayOperate: () => me?.role === 'operator' || me?.role === 'programmer',
+    mayOperate: () => !!me?.role && me.role !== 'viewer',
+    mayEngineer: () => me?.role === 'engineer',
     go: (address) => { location.hash = address; },
     say: (text, bad) => shell.say(text, bad),
   };

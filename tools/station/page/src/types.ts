@@ -1,6 +1,6 @@
 // The fields that the page reads of the station's JSON messages; names and units as in openapi.yaml and live/README.md. Times are Unix ms.
 
-export type Role = 'viewer' | 'operator' | 'programmer';
+export type Role = 'viewer' | 'operator' | 'programmer' | 'engineer';
 
 export interface Me {
   user: string;

@@ -27,6 +27,7 @@ export const texts = {
   'what.unshelve': ['unshelve', '取消搁置'], 'what.maintenance': ['maintenance', '开始维护'], 'what.end maintenance': ['end maintenance', '结束维护'],
   'what.command': ['command', '命令'], 'what.user add': ['add user', '添加用户'], 'what.user remove': ['remove user', '删除用户'], 'may.viewer': ['look', '查看'],
   'may.operator': ['look, write, acknowledge', '查看、写入、确认'], 'may.programmer': ['look, write, acknowledge, program devices', '查看、写入、确认、设备编程'],
+  'may.engineer': ['all of this, and change configurations and dashboards', '以上全部，并可修改配置和仪表盘'],
 } as const;
 
 // "write 1800", "acknowledge: looked at it": translates the action, and keeps the rest.
@@ -35,7 +36,7 @@ function whatText({ what }: AuditEntry): string {
   return word('what', head) + rest;
 }
 
-const failed = (entry: AuditEntry): boolean => !/^(done|verified|ok|viewer|operator|programmer)?$/.test(entry.result);
+const failed = (entry: AuditEntry): boolean => !/^(done|verified|ok|viewer|operator|programmer|engineer)?$/.test(entry.result);
 
 // "a/b/c = 7": the channel, if it is in the catalogue.
 function targetLink(context: Context, entry: AuditEntry): string {
