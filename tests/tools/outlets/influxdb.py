@@ -1,14 +1,12 @@
 """InfluxDB 1 (influxd of Debian); the consumer is its query language over HTTP."""
 
-import base64
 import json
 import os
 import urllib.parse
-import urllib.request
 
 import outlets
 from nats import free_port
-from plant import wait_until
+from outlets.http_engine import HttpEngine
 
 CONFIG = """
 reporting-disabled = true
@@ -28,30 +26,19 @@ bind-address = "127.0.0.1:{rpc}"
 """
 
 
-class Engine:
+class Engine(HttpEngine):
     name = "influxdb"
-    has_unique_samples = True
-    keeps_order = False  # of arrival: points are ordered by time
-
-    @staticmethod
-    def program():
-        return outlets.program("influxd", "influxdb", "usr/bin/influxd")
-
-    @staticmethod
-    def reason_to_skip():
-        return None if Engine.program() else "no influxd here; tools/install.sh ci brings it"
+    PACKAGE, PROGRAM, READY, LOGIN = "influxdb", "influxd", "/ping", "admin:admin"
 
     def __init__(self, folder, port):
-        self.folder, self.port, self.tags = folder, port, 100000
-        self.server = outlets.ServerProcess(os.path.join(folder, "influxd.log"))
-        self.is_new = True
+        super().__init__(folder, port)
+        self.tags, self.is_new = 100000, True
 
     def start(self):
         config = os.path.join(self.folder, "influxdb.conf")
         with open(config, "w", encoding="utf-8") as file:
             file.write(CONFIG.format(folder=self.folder, port=self.port, rpc=free_port(), tags=self.tags))
-        self.server.start(self.program(), "-config", config)
-        wait_until(self.listens, 20, self.server.log)
+        self.run("-config", config)
         if self.is_new:
             self.query("CREATE USER admin WITH PASSWORD 'admin' WITH ALL PRIVILEGES")
             self.query("CREATE DATABASE fieldcast")
@@ -59,43 +46,8 @@ class Engine:
             self.query("GRANT WRITE ON fieldcast TO north")
         self.is_new = False
 
-    def listens(self):
-        self.server.check()
-        try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{self.port}/ping", timeout=2):
-                return True
-        except OSError:
-            return False
-
     def query(self, text):
-        return json.loads(self.post("/query?db=fieldcast&epoch=ns", urllib.parse.urlencode({"q": text}).encode()))["results"][0]
-
-    def post(self, path, body):
-        login = base64.b64encode(b"admin:admin").decode()
-        request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", data=body, headers={"Authorization": "Basic " + login})
-        with urllib.request.urlopen(request, timeout=20) as response:
-            return response.read()
-
-    def stop(self):
-        self.server.kill()
-
-    def pause(self):
-        self.server.pause()
-
-    def resume(self):
-        self.server.resume()
-
-    def section(self, login="right"):
-        outlets.secret_file(self.folder, outlets.RIGHT_PASSWORD if login == "right" else outlets.WRONG_PASSWORD)
-        return f"""influxdb:
-  server: http://127.0.0.1:{self.port}
-  user: north
-  password-file: password
-  acknowledgement: 1s
-"""
-
-    def correct_login(self):
-        outlets.secret_file(self.folder, outlets.RIGHT_PASSWORD)
+        return json.loads(self.request("/query?db=fieldcast&epoch=ns", urllib.parse.urlencode({"q": text}).encode()))["results"][0]
 
     def samples(self):
         found = []
@@ -110,8 +62,5 @@ class Engine:
         self.tags = 3
         self.start()
         for channel in ("temperature", "setpoint", "running"):
-            self.post("/write?db=fieldcast", f"fieldcast,bus=other,channel={channel} other=1".encode())
+            self.request("/write?db=fieldcast", f"fieldcast,bus=other,channel={channel} other=1".encode())
         return "max-values-per-tag"
-
-    def log(self):
-        return self.server.log() if os.path.exists(self.server.log_file) else ""
