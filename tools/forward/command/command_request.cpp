@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "core/base/json.hpp"
+#include "core/base/json_value.hpp"
 
 namespace fieldcast::forward {
 
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMaxId = 64, kMaxText = 256;
+constexpr std::size_t kMaxId = 64;
 
 bool is_word(std::string_view text, std::string_view others) {
   return !text.empty() && text.size() <= kMaxId &&
@@ -24,20 +24,6 @@ bool is_word(std::string_view text, std::string_view others) {
            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                   others.find(c) != others.npos;
          });
-}
-
-std::optional<Value> value_in(const Json& json) {
-  if (json.is_boolean()) return json.get<bool>();
-  if (json.is_number_unsigned()) {
-    const auto number = json.get<std::uint64_t>();
-    if (std::in_range<std::int64_t>(number)) return static_cast<std::int64_t>(number);
-    return number;
-  }
-  if (json.is_number_integer()) return json.get<std::int64_t>();
-  if (json.is_number_float() && std::isfinite(json.get<double>())) return json.get<double>();
-  if (json.is_string() && json.get_ref<const std::string&>().size() <= kMaxText)
-    return json.get<std::string>();
-  return std::nullopt;
 }
 
 bool may_write(const std::vector<CommandRule>& rules, std::string_view user,

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/base/json.hpp"
+#include "core/base/json_value.hpp"
 #include "core/base/message_text.hpp"
 #include "core/codec/value_codec.hpp"
 
@@ -17,8 +17,7 @@ namespace {
 using Json = nlohmann::json;
 using Parsed = tl::expected<ClientMessage, Refusal>;
 
-constexpr std::size_t kMaxText = 256;  // bytes of a string value, as in the topic
-constexpr std::size_t kShown = 80;     // bytes of client text quoted in an error
+constexpr std::size_t kShown = 80;  // bytes of client text quoted in an error
 
 tl::unexpected<Refusal> refuse(std::string error, std::string hint) {
   return tl::unexpected(Refusal{std::move(error), std::move(hint)});
@@ -78,19 +77,10 @@ tl::expected<ChannelPath, Refusal> path_in(const Json& json) {
   return std::move(*path);
 }
 
-tl::expected<Value, Refusal> value_in(const Json& json) {
+tl::expected<Value, Refusal> value_of(const Json& json) {
   const auto found = json.find("value");
   if (found == json.end()) return refuse("the value is missing", "\"value\": 21.5");
-  if (found->is_boolean()) return found->get<bool>();
-  if (found->is_number_unsigned()) {
-    const auto number = found->get<std::uint64_t>();
-    if (std::in_range<std::int64_t>(number)) return static_cast<std::int64_t>(number);
-    return number;
-  }
-  if (found->is_number_integer()) return found->get<std::int64_t>();
-  if (found->is_number_float() && std::isfinite(found->get<double>())) return found->get<double>();
-  if (found->is_string() && found->get_ref<const std::string&>().size() <= kMaxText)
-    return found->get<std::string>();
+  if (auto value = value_in(*found)) return *std::move(value);
   return refuse("this is no value of a channel",
                 "a number, true, false, or a text of at most 256 bytes");
 }
@@ -131,7 +121,7 @@ Parsed parse_write(const Json& json) {
                   R"({"write": {"channel": "bus/device/channel", "value": 21.5}, "id": 1})");
   auto path = path_in(about);
   if (!path) return tl::unexpected(path.error());
-  auto value = value_in(about);
+  auto value = value_of(about);
   if (!value) return tl::unexpected(value.error());
   const auto verify = about.find("verify");
   if (verify != about.end() && !verify->is_boolean())
