@@ -1,7 +1,6 @@
 #include "bridge/station/history_client.hpp"
 
 #include <chrono>
-#include <thread>
 #include <utility>
 
 namespace fieldcast {
@@ -11,15 +10,19 @@ HistoryClient::HistoryClient(Domain& domain, std::string requester)
       requester_(std::move(requester)),
       // Numbers of an earlier process of the same name are smaller.
       next_id_(
-          static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count())),
-      taker_([this](const idl::HistoryBlock& block, const auto&) { take(block); }) {}
+          static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count())) {
+}
 
 // An identity of an earlier version has no right to these topics.
 bool HistoryClient::begin() {
   if (reader_ != nullptr) return true;
   try {
-    if (writer_ == nullptr) writer_ = domain_.writer(kHistoryRequestTopic, requester_);
-    reader_ = domain_.reader(kHistoryBlockTopic, &taker_, dds::StatusMask::data_available());
+    if (writer_ == nullptr)
+      writer_ = domain_.writer(kHistoryRequestTopic, requester_, &writer_matches_,
+                               dds::StatusMask::publication_matched());
+    reader_ = domain_.reader(kHistoryBlockTopic, &reader_matches_,
+                             dds::StatusMask::data_available()
+                                 << dds::StatusMask::subscription_matched());
     return true;
   } catch (const DdsError&) { return false; }
 }
@@ -27,28 +30,28 @@ bool HistoryClient::begin() {
 void HistoryClient::end() {
   if (writer_ != nullptr) domain_.remove(std::exchange(writer_, nullptr));
   if (reader_ != nullptr) domain_.remove(std::exchange(reader_, nullptr));
+  is_writer_matched_ = is_reader_matched_ = false;  // no listener is called any more
 }
 
-bool HistoryClient::is_matched() const {
-  dds::PublicationMatchedStatus written;
-  dds::SubscriptionMatchedStatus read;
-  writer_->get_publication_matched_status(written);
-  reader_->get_subscription_matched_status(read);
-  return written.current_count > 0 && read.current_count > 0;
+void HistoryClient::set(bool& is_matched, bool value) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_matched = value;
+  }
+  changed_.notify_one();
 }
 
 tl::expected<HistoryResponse, StationFault> HistoryClient::request(HistoryRequest request,
                                                                    Duration wait) {
   if (!begin()) return tl::unexpected(StationFault::kNoRight);
   const auto until = std::chrono::steady_clock::now() + wait;
-  while (!is_matched()) {
-    if (std::chrono::steady_clock::now() >= until) return tl::unexpected(StationFault::kNoBridge);
-    std::this_thread::sleep_for(kLook);
-  }
   request.requester = requester_;
   request.request_id = next_id_++;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    const auto is_matched = [this] { return is_writer_matched_ && is_reader_matched_; };
+    if (!changed_.wait_until(lock, until, is_matched))
+      return tl::unexpected(StationFault::kNoBridge);
     id_ = request.request_id;
     parts_.emplace(request);
     response_.reset();

@@ -2,7 +2,6 @@
 // only while they are used, because every reader receives the responses to all stations.
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -32,10 +31,28 @@ class HistoryClient {
   void end();
 
  private:
-  static constexpr Duration kLook = std::chrono::milliseconds{10};  // for a bridge
+  // Each reports whether a bridge has the other endpoint. Called on DDS threads.
+  struct WriterMatches : dds::DataWriterListener {
+    explicit WriterMatches(HistoryClient& owner) : client(owner) {}
+    void on_publication_matched(dds::DataWriter*,
+                                const dds::PublicationMatchedStatus& status) override {
+      client.set(client.is_writer_matched_, status.current_count > 0);
+    }
+    HistoryClient& client;
+  };
+  struct ReaderMatches : Taker<idl::HistoryBlock> {
+    explicit ReaderMatches(HistoryClient& owner)
+        : Taker([&owner](const idl::HistoryBlock& block, const auto&) { owner.take(block); }),
+          client(owner) {}
+    void on_subscription_matched(dds::DataReader*,
+                                 const dds::SubscriptionMatchedStatus& status) override {
+      client.set(client.is_reader_matched_, status.current_count > 0);
+    }
+    HistoryClient& client;
+  };
 
   [[nodiscard]] bool begin();
-  [[nodiscard]] bool is_matched() const;
+  void set(bool& is_matched, bool value);
   void take(const idl::HistoryBlock& block);
 
   Domain& domain_;
@@ -49,8 +66,10 @@ class HistoryClient {
   std::uint64_t id_ = 0;  // of the pending request; 0: none
   std::optional<HistoryParts> parts_;
   std::optional<HistoryResponse> response_;
+  bool is_writer_matched_ = false, is_reader_matched_ = false;
 
-  Taker<idl::HistoryBlock> taker_;
+  WriterMatches writer_matches_{*this};
+  ReaderMatches reader_matches_{*this};
 };
 
 }  // namespace fieldcast

@@ -1,7 +1,9 @@
 // The bridge's side of HistoryRequest and HistoryBlock. Owns one reader and one writer.
 #pragma once
 
+#include <condition_variable>
 #include <functional>
+#include <mutex>
 #include <string>
 
 #include "bridge/dds/receivers/taker.hpp"
@@ -23,17 +25,24 @@ class HistoryEndpoint {
   HistoryEndpoint(const HistoryEndpoint&) = delete;
   HistoryEndpoint& operator=(const HistoryEndpoint&) = delete;
 
-  // Waits between blocks. One thread at a time.
+  // Waits between blocks; returns early, without the rest, when close() is called. One thread at a
+  // time.
   void respond(const HistoryRequest& request, const HistoryResponse& response);
-  void close();  // nothing is received after it returns
+  void close();  // any thread; nothing is received after it returns
 
  private:
+  // Writes one block and waits for kPace, or until close().
+  void write(idl::HistoryBlock& block);
+
   Domain& domain_;
   const std::size_t most_bytes_;
   Taker<idl::HistoryRequest> taker_;
   idl::HistoryBlock block_;
   dds::DataWriter* writer_ = nullptr;
   dds::DataReader* reader_ = nullptr;
+  std::mutex mutex_;  // protects the member below
+  bool is_closed_ = false;
+  std::condition_variable closed_;
 };
 
 }  // namespace fieldcast

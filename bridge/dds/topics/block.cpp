@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "bridge/dds/topics/columns.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -48,14 +49,7 @@ void to_last_value(const Value& value, LastValue& out) {
 
 BlockFiller::BlockFiller(idl::SampleBlock& block, std::size_t most_bytes)
     : block_(&block), most_bytes_(most_bytes), bytes_(kEmptyBytes) {
-  block.channels().clear();
-  block.kinds().clear();
-  block.qualities().clear();
-  block.device_codes().clear();
-  block.values().clear();
-  block.acquired_at().clear();
-  block.sequences().clear();
-  block.texts().clear();
+  clear_columns(block);
 }
 
 bool BlockFiller::add(ChannelIndex channel, const LastValue& value) {
@@ -67,14 +61,7 @@ bool BlockFiller::add(ChannelIndex channel, const LastValue& value) {
   bytes_ += bytes;
   any_device_code_ |= value.device_code != 0;
   one_instant_ &= first || value.acquired_at == block_->acquired_at().front();
-  block_->channels().push_back(channel);
-  block_->kinds().push_back(static_cast<std::uint8_t>(value.kind));
-  block_->qualities().push_back(static_cast<std::uint8_t>(value.quality));
-  block_->device_codes().push_back(value.device_code);
-  block_->values().push_back(text ? block_->texts().size() : value.bits);
-  block_->acquired_at().push_back(value.acquired_at);
-  block_->sequences().push_back(value.sequence);
-  if (text) block_->texts().emplace_back(value.text);
+  add_columns(channel, value, *block_);
   return true;
 }
 
@@ -84,11 +71,8 @@ void BlockFiller::finish() {
 }
 
 bool is_whole(const idl::SampleBlock& block) {
-  const std::size_t rows = block.channels().size();
-  const auto fits = [rows](const auto& column) { return column.size() == rows; };
-  return fits(block.kinds()) && fits(block.qualities()) && fits(block.values()) &&
-         fits(block.sequences()) && (fits(block.device_codes()) || block.device_codes().empty()) &&
-         (fits(block.acquired_at()) || block.acquired_at().size() == 1);
+  return has_whole_columns(block) &&
+         (block.acquired_at().size() == block.channels().size() || block.acquired_at().size() == 1);
 }
 
 std::optional<Value> value_of(std::uint8_t kind, std::uint64_t bits, const BlockTexts& texts) {
@@ -105,12 +89,7 @@ std::optional<Value> value_of(std::uint8_t kind, std::uint64_t bits, const Block
 }
 
 bool read_row(const idl::SampleBlock& block, std::size_t row, StationSample& out) {
-  std::optional<Value> value = value_of(block.kinds()[row], block.values()[row], block.texts());
-  const auto quality = from_idl(static_cast<idl::Quality>(block.qualities()[row]));
-  if (!value || !quality) return false;
-  out.value = std::move(*value);
-  out.quality = *quality;
-  out.device_code = block.device_codes().empty() ? std::uint16_t{0} : block.device_codes()[row];
+  if (!read_columns(block, row, out)) return false;
   out.acquired_at = {block.acquired_at()[block.acquired_at().size() == 1 ? 0 : row]};
   out.sequence = block.sequences()[row];
   return true;

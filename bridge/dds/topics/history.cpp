@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bridge/dds/topics/block.hpp"
+#include "bridge/dds/topics/columns.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -18,53 +19,31 @@ constexpr std::size_t kEmptyHistory = 512, kHistoryRow = 48, kHistoryText = 8;
 bool is_time(std::int64_t nanoseconds) { return nanoseconds >= 0; }
 
 void clear_rows(idl::HistoryBlock& block) {
-  block.channels().clear();
-  block.kinds().clear();
-  block.qualities().clear();
-  block.device_codes().clear();
-  block.values().clear();
-  block.acquired_at().clear();
+  clear_columns(block);
   block.published_at().clear();
   block.epochs().clear();
-  block.sequences().clear();
-  block.texts().clear();
 }
 
 void add_row(const HistoryRow& row, const LastValue& value, idl::HistoryBlock& block) {
-  const bool is_text = value.kind == idl::ValueKind::VALUE_STRING;
-  block.channels().push_back(row.channel);
-  block.kinds().push_back(static_cast<std::uint8_t>(value.kind));
-  block.qualities().push_back(static_cast<std::uint8_t>(value.quality));
-  block.device_codes().push_back(row.device_code);
-  block.values().push_back(is_text ? block.texts().size() : value.bits);
-  block.acquired_at().push_back(row.acquired_at.nanoseconds);
+  add_columns(row.channel, value, block);
   block.published_at().push_back(row.published_at.nanoseconds);
   block.epochs().push_back(row.number.epoch);
-  block.sequences().push_back(row.number.sequence);
-  if (is_text) block.texts().emplace_back(value.text);
 }
 
 bool has_whole_rows(const idl::HistoryBlock& block) {
   const std::size_t rows = block.channels().size();
   const auto fits = [rows](const auto& column) { return column.size() == rows; };
-  return fits(block.kinds()) && fits(block.qualities()) && fits(block.values()) &&
-         (fits(block.device_codes()) || block.device_codes().empty()) &&
-         fits(block.acquired_at()) && fits(block.published_at()) && fits(block.epochs()) &&
-         fits(block.sequences());
+  return has_whole_columns(block) && fits(block.acquired_at()) && fits(block.published_at()) &&
+         fits(block.epochs());
 }
 
 std::optional<HistoryRow> row_of(const idl::HistoryBlock& block, std::size_t row) {
-  std::optional<Value> value = value_of(block.kinds()[row], block.values()[row], block.texts());
-  const auto quality = fieldcast::from_idl(static_cast<idl::Quality>(block.qualities()[row]));
-  if (!value || !quality) return std::nullopt;
-  return HistoryRow{
-      .channel = block.channels()[row],
-      .number = {block.epochs()[row], block.sequences()[row]},
-      .published_at = {block.published_at()[row]},
-      .acquired_at = {block.acquired_at()[row]},
-      .value = *std::move(value),
-      .quality = *quality,
-      .device_code = block.device_codes().empty() ? std::uint16_t{0} : block.device_codes()[row]};
+  HistoryRow out{.channel = block.channels()[row],
+                 .number = {block.epochs()[row], block.sequences()[row]},
+                 .published_at = {block.published_at()[row]},
+                 .acquired_at = {block.acquired_at()[row]}};
+  if (!read_columns(block, row, out)) return std::nullopt;
+  return out;
 }
 
 }  // namespace
@@ -133,6 +112,9 @@ void to_blocks(const HistoryRequest& request, const HistoryResponse& response,
   LastValue value;
   for (const HistoryRow& row : response.rows) {
     value.quality = to_idl(row.quality);
+    value.device_code = row.device_code;
+    value.acquired_at = row.acquired_at.nanoseconds;
+    value.sequence = row.number.sequence;
     to_last_value(row.value, value);
     const bool is_text = value.kind == idl::ValueKind::VALUE_STRING;
     const std::size_t needed = kHistoryRow + (is_text ? kHistoryText + value.text.size() : 0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -60,6 +61,47 @@ TEST(History, ARequestWithoutABridgeOrAResponseFailsAfterItsTime) {
   EXPECT_TRUE(eventually([&] {
     return station.history(request("unknown"), 500ms).error() == StationFault::kNoResult;
   }));
+}
+
+TEST(History, ABridgeThatJoinsWhileAStationWaitsIsFoundWithinTheWait) {
+  Station station(loopback(), "watcher");
+  Collected<HistoryRequest> requests;
+  std::optional<HistoryResponse> back;
+  std::thread waiting([&] {
+    if (auto response = station.history(request("late"), 10s)) back = *std::move(response);
+  });
+  Received received;
+  auto handlers = received.handlers();
+  handlers.on_history = [&](HistoryRequest asked, const std::string&) {
+    requests.add(std::move(asked));
+  };
+  DdsLink link(loopback(), "test", std::move(handlers));
+  EXPECT_TRUE(eventually([&] { return requests.size() > 0; }));
+  if (requests.size() > 0) link.respond(requests.all()[0], {.complete = 1});
+  waiting.join();
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->complete, 1u);
+}
+
+TEST(History, AClosedLinkWritesNoFurtherBlocks) {
+  Received received;
+  auto handlers = received.handlers();
+  Collected<HistoryRequest> requests;
+  handlers.on_history = [&](HistoryRequest asked, const std::string&) {
+    requests.add(std::move(asked));
+  };
+  DdsLink link(loopback(), "test", std::move(handlers));
+  Station station(loopback(), "watcher");
+  std::optional<StationFault> fault;
+  std::thread waiting([&] {
+    const auto back = station.history(request("any"), 3s);
+    if (!back) fault = back.error();
+  });
+  EXPECT_TRUE(eventually([&] { return requests.size() > 0; }));
+  link.close();
+  if (requests.size() > 0) link.respond(requests.all()[0], {.complete = 1});
+  waiting.join();
+  EXPECT_EQ(fault, StationFault::kNoResult);
 }
 
 TEST(History, AHostileRequestArrivesWithItsFault) {
