@@ -33,13 +33,16 @@ export class Board {
   show(dashboard: Dashboard, values: Values): void {
     this.element.style.setProperty('--columns', String(columnsOf(dashboard)));
     this.element.style.setProperty('--row-px', `${rowOf(dashboard)}px`);
-    const unused = [...this.items];
+    const before = this.items, unused = new Set(before);
     this.items = dashboard.widgets.map((widget, index) => {
       const height_px = widget.at[3] * (rowOf(dashboard) + gap_px) - gap_px;
       const { at, ...rest } = widget;
       const key = `${height_px} ${JSON.stringify(filled(rest, values))}`;
-      const kept = unused.findIndex((item) => item.key === key);
-      const item = kept < 0 ? this.make(filled(widget, values), key, height_px) : unused.splice(kept, 1)[0]!;
+      const kept = before.find((item) => item.key === key && unused.has(item));
+      if (kept) unused.delete(kept);
+      // A widget that changed keeps its cell, so that its handle keeps the focus.
+      const same = before[index];
+      const item = kept ?? this.make(filled(widget, values), key, height_px, same && unused.delete(same) ? same : undefined);
       this.place(item.cell, at);
       this.dress(item.cell, index);
       return item;
@@ -47,8 +50,10 @@ export class Board {
     for (const item of unused) item.view?.close();
     const order = dashboard.widgets.map((_, index) => index).sort((a, b) => byPlace(dashboard.widgets[a]!.at, dashboard.widgets[b]!.at));
     const cells = order.map((index) => this.items[index]!.cell);
-    // Moving an element takes its focus away, so only a different order is written.
-    if (cells.length !== this.element.childElementCount || cells.some((cell, index) => this.element.children[index] !== cell)) this.element.replaceChildren(...cells);
+    if (cells.length === this.element.childElementCount && cells.every((cell, index) => this.element.children[index] === cell)) return;
+    const focused = document.activeElement as HTMLElement | null;
+    this.element.replaceChildren(...cells);  // takes the focus away
+    if (focused && focused !== document.activeElement && this.element.contains(focused)) focused.focus({ preventScroll: true });
   }
 
   // Shows other places for a moment, while a widget is dragged.
@@ -75,9 +80,11 @@ export class Board {
     this.items = [];
   }
 
-  private make(widget: Widget, key: string, height_px: number): Item {
-    const cell = document.createElement('div');
+  private make(widget: Widget, key: string, height_px: number, before?: Item): Item {
+    const cell = before?.cell ?? document.createElement('div');
     cell.className = 'cell';
+    before?.view?.close();
+    cell.querySelector('.widget')?.remove();
     const item: Item = { key, cell, view: undefined, fresh: true };
     try {
       const Kind = Object.hasOwn(widgets, widget.kind) ? widgets[widget.kind] : undefined;
@@ -85,7 +92,7 @@ export class Board {
     } catch {
       // A draft may lack properties; the editor shows the faults that the station reports.
     }
-    if (item.view) cell.append(item.view.element);
+    if (item.view) cell.prepend(item.view.element);
     else this.breakOff(item);
     return item;
   }
@@ -96,7 +103,8 @@ export class Board {
     const note = document.createElement('div');
     note.className = 'widget incomplete';
     note.textContent = '…';
-    item.cell.replaceChildren(note, ...item.cell.querySelectorAll('.handle'));
+    item.cell.querySelector('.widget')?.remove();
+    item.cell.prepend(note);
   }
 
   private place(cell: HTMLElement, [column, row, width, height]: Cells): void {

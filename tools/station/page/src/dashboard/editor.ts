@@ -2,7 +2,7 @@
 // The station checks each change; a text with a fault is not applied to the board.
 
 import { nothing, render } from 'lit-html';
-import { request } from '../api';
+import { query, request } from '../api';
 import type { Change, Context } from '../context';
 import { t, word } from '../i18n';
 import { html } from '../markup';
@@ -37,6 +37,7 @@ export interface EditorOwner {
 
 const mostSteps = 50;
 const mostNames = 20;
+const mostVersions = 20;  // kept by the station
 const checkAfter_ms = 300;
 const titleRow: PropertyRow = { name: 'title', type: 'text', max: 120 };
 const usual: Record<string, unknown> = { min: 0, max: 100, value: true };
@@ -47,10 +48,12 @@ export class Editor implements HandleOwner {
   private readonly side = document.createElement('aside');
   private readonly text = document.createElement('textarea');
   private readonly names = document.createElement('datalist');
+  private readonly pictureNames = document.createElement('datalist');
   private readonly board: Board;
   private readonly handles = new Map<HTMLElement, Handle>();
   private readonly steps: Dashboard[] = [];
   private selected = -1;
+  private placing = -1;  // the value of the selected picture that the next click places
   private faults: Fault[] = [];
   private fault = '';
   private textDiffers = false;
@@ -64,6 +67,8 @@ export class Editor implements HandleOwner {
     this.side.className = 'card';
     this.side.setAttribute('aria-label', t('dashboard.properties'));
     this.names.id = 'channel-names';
+    this.pictureNames.id = 'picture-names';
+    render(html`${[...pictures.keys()].map((name) => html`<option value=${name}></option>`)}`, this.pictureNames);
     this.text.spellcheck = false;
     this.text.dataset['scroll'] = '';
     this.text.setAttribute('aria-label', t('dashboard.text'));
@@ -75,7 +80,7 @@ export class Editor implements HandleOwner {
     scroll.append(this.board.element);
     const panel = document.createElement('div');
     panel.className = 'panel';
-    panel.append(this.side, this.text, this.names);
+    panel.append(this.side, this.text, this.names, this.pictureNames);
     this.element.append(this.tools, scroll, panel);
     this.show();
   }
@@ -109,8 +114,20 @@ export class Editor implements HandleOwner {
   select(index: number): void {
     if (this.selected === index) return;
     this.selected = index;
+    this.placing = -1;
     this.drawSide();
     for (const handle of this.handles.values()) handle.relabel(handle.index === index);
+  }
+
+  click(index: number, { clientX, clientY }: MouseEvent): void {
+    const item = this.placing, picture = this.board.cell(index)?.querySelector<SVGGraphicsElement>('.mimic');
+    if (item < 0 || index !== this.selected || !picture) return this.select(index);
+    this.placing = -1;
+    const box = picture.querySelector('image')!.getBoundingClientRect();
+    const percent = (share: number): number => Math.round(1000 * Math.max(0, Math.min(1, share))) / 10;
+    const values = (this.widgets[index]!['values'] as Record<string, unknown>[]).with(item, {
+      ...(this.widgets[index]!['values'] as Record<string, unknown>[])[item], x: percent((clientX - box.left) / box.width), y: percent((clientY - box.top) / box.height) });
+    this.change({ widgets: this.widgets.with(index, { ...this.widgets[index]!, values }) });
   }
 
   private get widgets(): Widget[] { return this.draft.dashboard.widgets; }
@@ -232,9 +249,16 @@ export class Editor implements HandleOwner {
     const rows: readonly PropertyRow[] = [titleRow, ...kinds[widget.kind]?.properties ?? []];
     const index = this.selected;
     render(html`<h2>${word('widget', widget.kind)}</h2>
-      ${fields(rows, widget, (next) => this.change({ widgets: this.widgets.with(index, next as Widget) }))}
+      ${fields(rows, widget, (next) => this.change({ widgets: this.widgets.with(index, next as Widget) }), (row, item) => (row.name === 'values' ? html`<button
+        type="button" class="small" aria-pressed=${this.placing === item} @click=${() => this.place(item)}>${t('dashboard.place')}</button>` : nothing))}
       <div class="form-item"><button type="button" @click=${() => this.remove(index)}>${t('dashboard.remove')}</button>
       <button type="button" class="plain" @click=${() => this.select(-1)}>${t('dashboard.whole')}</button></div>`, this.side);
+  }
+
+  private place(item: number): void {
+    this.placing = item;
+    this.drawSide();
+    this.context.say(t('dashboard.place-hint'));
   }
 
   private drawDashboard(): void {
@@ -248,8 +272,23 @@ export class Editor implements HandleOwner {
         if (!parameters) delete this.draft.dashboard.parameters;
         this.change(parameters ? { ...rest, parameters } : rest);
       })}
-      ${fields(gridRows, grid as Record<string, unknown>, (next) => this.change({ grid: next }))}`, this.side);
+      ${fields(gridRows, grid as Record<string, unknown>, (next) => this.change({ grid: next }))}
+      ${this.draft.base > 1 ? html`<label class="field"><span>${t('dashboard.earlier')}</span><select @change=${this.takeVersion}><option value=""></option>${
+        Array.from({ length: Math.min(this.draft.base, mostVersions) - 1 }, (_, n) => html`<option>${this.draft.base - 1 - n}</option>`)}</select></label>` : nothing}`, this.side);
   }
+
+  // An earlier version becomes the draft; nothing is saved.
+  private readonly takeVersion = async (event: Event): Promise<void> => {
+    const choice = event.target as HTMLSelectElement, version = choice.value;
+    choice.value = '';
+    if (!version) return;
+    try {
+      const { text } = await request<{ text: string }>(query('/api/dashboard', { name: this.draft.name, version }));
+      this.change(JSON.parse(text) as Dashboard);
+    } catch (error) {
+      this.context.say(errorText(error), true);
+    }
+  };
 
   // Proposes the channels that contain the typed text.
   private propose(event: Event): void {

@@ -8,6 +8,7 @@ export interface HandleOwner {
   at(index: number): Cells;
   step(): { x: number; y: number };  // pixels of one cell
   select(index: number): void;
+  click(index: number, event: MouseEvent): void;
   preview(index: number, at: Cells): void;
   move(index: number, at: Cells): void;
   remove(index: number): void;
@@ -32,7 +33,7 @@ export class Handle {
     element.addEventListener('pointermove', (event) => this.drag(event));
     element.addEventListener('pointerup', () => this.drop());
     element.addEventListener('pointercancel', () => { this.from = this.target = undefined; });
-    element.addEventListener('click', () => owner.select(this.index));
+    element.addEventListener('click', (event) => owner.click(this.index, event));
     element.addEventListener('focus', () => owner.select(this.index));
     element.addEventListener('keydown', (event) => this.key(event));
   }

@@ -7,6 +7,8 @@ export const texts = {
   'dashboard.add-widget': ['Add a widget', '添加部件'], 'dashboard.add': ['Add', '添加'], 'dashboard.remove': ['Remove', '移除'],
   'dashboard.properties': ['Properties', '属性'], 'dashboard.text': ['Text of the dashboard (JSON)', '仪表盘文本（JSON）'], 'dashboard.whole': ['Whole dashboard', '整个仪表盘'],
   'dashboard.allowed': ['Allowed', '允许'], 'dashboard.keys': ['Arrow keys move, Shift and arrow keys resize, Delete removes.', '方向键移动，Shift 加方向键调整大小，Delete 移除。'],
+  'dashboard.place': ['Place', '放置'], 'dashboard.place-hint': ['Click on the picture where the value is to be.', '点击图片上要放置数值的位置。'],
+  'dashboard.earlier': ['Load an earlier version', '载入较早版本'],
   'dashboard.handle': ['{name}: column {column}, row {row}, {width} × {height}', '{name}：第 {column} 列，第 {row} 行，{width} × {height}'],
   'dashboard.late': ['late', '延迟'], 'dashboard.channel': ['Channel', '通道'], 'dashboard.value': ['Value', '值'], 'dashboard.quality': ['Quality', '质量'],
   'dashboard.more': ['{n} more channels match.', '还有 {n} 个匹配的通道。'], 'dashboard.no-channels': ['No channel matches.', '没有匹配的通道。'],

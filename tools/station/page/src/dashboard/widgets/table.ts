@@ -18,9 +18,12 @@ const pause_ms = 250;  // between two paintings
 export class TableWidget extends WidgetView {
   private found = 0;
   private paintedAt = 0;
+  private readonly prefix: string;  // common part of all paths
 
   constructor(host: Host, widget: Widget) {
     super(host, widget);
+    const parts = this.pattern.split('/'), open = parts.findIndex((part) => part.includes('*'));
+    this.prefix = parts.slice(0, open < 0 ? Math.min(2, parts.length) : open).map((part) => `${part}/`).join('');
     this.body.dataset['scroll'] = '';
     this.body.tabIndex = 0;
     this.body.setAttribute('role', 'group');
@@ -29,7 +32,7 @@ export class TableWidget extends WidgetView {
 
   override paint(change: Change): void {
     if (change.topics.has('catalogue')) {
-      const fits = patternTest(this.widget['pattern'] as string);
+      const fits = patternTest(this.pattern);
       const paths = [...this.context.plant.ids.keys()].filter(fits).sort();
       this.found = paths.length;
       this.sources = new Sources(this.context, paths.slice(0, mostRows));
@@ -40,13 +43,14 @@ export class TableWidget extends WidgetView {
     super.paint(change);
   }
 
-  protected override get title(): string { return this.widget.title ?? (this.widget['pattern'] as string); }
+  private get pattern(): string { return this.widget['pattern'] as string; }
+  protected override get title(): string { return this.widget.title ?? this.pattern; }
 
   protected draw(readings: readonly Reading[]): void {
     render(html`<table class="plain"><thead><tr><th>${t('dashboard.channel')}</th><th class="number">${t('dashboard.value')}</th>
         <th>${t('dashboard.quality')}</th><th class="number">${t('channel.age')}</th></tr></thead>
       <tbody>${readings.map((reading) => html`<tr class=${reading.current ? '' : 'stale'}>
-        <td><a href=${channelLink(reading.path)}>${reading.path}</a></td>
+        <td><a href=${channelLink(reading.path)} title=${reading.path}>${reading.path.slice(this.prefix.length)}</a></td>
         <td class="number"><b>${reading.text}</b> ${reading.unit}</td>
         <td>${badge(reading.tone, qualityText(reading.quality))}</td>
         <td class="number">${reading.late ? '◆ ' : ''}${ageText(reading)}</td></tr>`)}</tbody></table>
