@@ -95,12 +95,12 @@ done
 setsid "$bin/fieldcast-bridge" "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
 bridge=$!
 
-# The page may write, because every user of this machine may do so by the command line.
+# The page may change everything, because every user of this machine may do so by the command line and the files.
 if [ -n "$page" ]; then
   cat >"$run/station.yaml" <<END
 station: demo
 dds: { domain: $domain, interfaces: [127.0.0.1] }
-web: { local-role: operator }
+web: { local-role: engineer }
 store: { path: station.db }
 record: { patterns: ["*"] }
 END

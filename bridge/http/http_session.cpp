@@ -69,14 +69,15 @@ std::string head_of(const Request& request) {
 }  // namespace
 
 struct HttpSession::Parser {
-  Parser(const HttpLimits& limits) {
+  Parser(const HttpLimits& limits) : body_bytes(limits.body_bytes) {
     parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
-    parser.body_limit(limits.body_bytes);
+    parser.body_limit(limits.largest_body_bytes);
     parser.eager(true);
   }
   http::request_parser<http::string_body> parser;
   HeadCheck head;
   std::size_t fields = 0;  // number of header fields
+  std::size_t body_bytes;  // limit of this request, after its header was read
   bool told_to_continue = false;
 };
 
@@ -179,12 +180,15 @@ void HttpSession::parse() {
     if (fault == http::error::header_limit)
       return refuse(431, "the header is too long",
                     fmt::format("at most {} bytes", server_.limits.header_bytes));
-    if (fault == http::error::body_limit)
-      return refuse(413, "the body is too long",
-                    fmt::format("at most {} bytes", server_.limits.body_bytes));
+    if (fault == http::error::body_limit) return refuse_body();
     if (fault) return refuse(400, "no HTTP request", "send HTTP/1.1");
     if (parser.is_header_done() && parser_->fields == 0) {
       parser_->fields = count_of(parser.get());
+      parser_->body_bytes = std::min(
+          server_.limits.largest_body_bytes,
+          server_.service.body_limit(raw_of(parser.get(), peer_), server_.limits.body_bytes));
+      if (parser.content_length().value_or(0) > parser_->body_bytes) return refuse_body();
+      parser.body_limit(parser_->body_bytes);  // of a chunked body
       enter(State::kRequest, server_.limits.body);
     }
     if (used == 0) break;
@@ -245,6 +249,10 @@ void HttpSession::hand_over(const HttpService::TakeStream& take) {
   const auto self = shared_from_this();
   take(std::move(stream_), std::move(head));
   server_.gone(id_);
+}
+
+void HttpSession::refuse_body() {
+  refuse(413, "the body is too long", fmt::format("at most {} bytes", parser_->body_bytes));
 }
 
 void HttpSession::refuse(unsigned status, std::string_view error, std::string_view hint) {

@@ -17,6 +17,7 @@ namespace fieldcast::web {
 struct HttpLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
+  std::size_t largest_body_bytes = 512 * 1024;   // of requests for which the service allows it
   Duration idle = std::chrono::seconds{75};      // between two requests
   Duration header = std::chrono::seconds{10};    // from its first to its last byte
   Duration body = std::chrono::seconds{10};      // from the end of the header to the last byte
@@ -37,6 +38,10 @@ class HttpService {
                                              std::string_view hint) const = 0;
   // Connections with a login have limits of their own.
   [[nodiscard]] virtual bool has_login(const RawRequest&) { return false; }
+  // Returns the limit of the body of a request with this header; `usual` is that of the server.
+  [[nodiscard]] virtual std::size_t body_limit(const RawRequest&, std::size_t usual) {
+    return usual;
+  }
   // Receives the stream of a WebSocket and its request header, to be parsed again.
   using TakeStream = std::function<void(std::unique_ptr<ByteStream>, std::string head)>;
   // A null function: handle() serves the request.
@@ -89,6 +94,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_request();
   void hand_over(const HttpService::TakeStream& take);
   void refuse(unsigned status, std::string_view error, std::string_view hint);
+  void refuse_body();
   void respond(HttpResponse response);
   void respond_last(HttpResponse response);  // and end the connection
   void await_client();

@@ -85,11 +85,11 @@ void run_api(ByteView data) {
                       .body = std::string(text.substr(std::min(end + 1, text.size()))),
                       .accepts_gzip = data[0] >= 128};
   read_parameters(request);
-  const auto route = api.table.find(request.method, request.path, Role::kOperator);
+  const auto route = api.table.find(request.method, request.path, Role::kEngineer);
   if (!route) return check(route.error());
   const std::uint64_t before = api.commands.count;
   int answers = 0;
-  (*route)->handler(request, {"anna", Role::kOperator, "127.0.0.1"}, [&](const HttpResponse& made) {
+  (*route)->handler(request, {"anna", Role::kEngineer, "127.0.0.1"}, [&](const HttpResponse& made) {
     ++answers;
     check(made);
     if (made.status >= 400) require(api.commands.count == before);

@@ -185,6 +185,7 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
               .database = database.get(),
               .store = store.get(),
               .recorder = recorder.get(),
+              .audit = store.get(),
               .now = utc_now,
               .metrics = [this] { return metrics_of(*domain, stream.get(), *server); }});
 }

@@ -167,6 +167,17 @@ select id, {time at} as at, table_name, content, reason, at as at_ns from quaran
     R"(
 create table bus_epochs (bus text not null, epoch bigint not null, primary key (bus, epoch)) {clustered};
 )",
+    // Documents of the station. Each version of a dashboard is a row. A picture is SVG, or PNG in
+    // base64; width and height are in its own units.
+    R"(
+create table dashboards (
+  name text not null, version bigint not null, title text not null, content text not null,
+  saved_by text not null, saved_at bigint not null, primary key (name, version)) {clustered};
+create table pictures (
+  name text primary key, version bigint not null, type text not null, width bigint not null,
+  height bigint not null, bytes bigint not null, content text not null, saved_by text not null,
+  saved_at bigint not null) {clustered};
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

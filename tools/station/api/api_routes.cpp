@@ -186,7 +186,8 @@ void add_routes(RouteTable& routes, Api given) {
                 [api, &row](const HttpRequest& request, const Caller& caller, const Reply& reply) {
                   if (row.needs_store && api->database == nullptr) return reply(no_store());
                   row.handler(*api, request, caller, reply);
-                }});
+                },
+                row.body_bytes});
 }
 
 }  // namespace fieldcast::web

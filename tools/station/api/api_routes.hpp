@@ -12,6 +12,7 @@
 #include "bridge/http/http_message.hpp"
 #include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
+#include "tools/station/api/dashboards.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
 #include "tools/station/web/route_table.hpp"
@@ -33,6 +34,7 @@ struct Api {
   Database* database = nullptr;
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
+  Audit* audit = nullptr;
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
   std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
@@ -47,6 +49,8 @@ ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, sh
     show_sites, show_users, export_history;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
+ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
+    list_pictures, show_picture, save_picture, delete_picture;
 
 struct ApiRow {
   Method method;
@@ -54,6 +58,7 @@ struct ApiRow {
   Access access;
   ApiHandler* handler;
   bool needs_store = false;  // without a store: 404
+  std::size_t body_bytes = kUsualBody;
 };
 
 inline constexpr ApiRow kApiRows[] = {
@@ -70,10 +75,21 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/channels", Access::kViewer, show_channels},
     {Method::kPost, "/api/commands", Access::kOperator, write_value},
     {Method::kGet, "/api/commands/result", Access::kOperator, show_result},
+    {Method::kGet, "/api/dashboard", Access::kViewer, show_dashboard, true},
+    {Method::kGet, "/api/dashboards", Access::kViewer, list_dashboards, true},
+    {Method::kPost, "/api/dashboards/check", Access::kEngineer, check_dashboard_text, false,
+     kMaxDashboardBody},
+    {Method::kPost, "/api/dashboards/delete", Access::kEngineer, delete_dashboard, true},
+    {Method::kPost, "/api/dashboards/save", Access::kEngineer, save_dashboard, true,
+     kMaxDashboardBody},
     {Method::kGet, "/api/devices", Access::kViewer, show_devices},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
     {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
+    {Method::kGet, "/api/picture", Access::kViewer, show_picture, true},
+    {Method::kGet, "/api/pictures", Access::kViewer, list_pictures, true},
+    {Method::kPost, "/api/pictures/delete", Access::kEngineer, delete_picture, true},
+    {Method::kPost, "/api/pictures/save", Access::kEngineer, save_picture, true, kMaxPictureBody},
     {Method::kGet, "/api/plan", Access::kViewer, show_plan},
     {Method::kGet, "/api/sessions", Access::kViewer, show_sessions},
     {Method::kPost, "/api/sessions/end", Access::kOperator, end_session},

@@ -143,16 +143,6 @@ tl::unexpected<HttpResponse> refuse(std::string_view error, std::string_view hin
   return tl::make_unexpected(error_response(400, error, hint));
 }
 
-std::optional<HttpResponse> unknown_member(const Body& object,
-                                           std::initializer_list<std::string_view> known) {
-  for (const auto& [name, value] : object.items()) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      return error_response(400, fmt::format("'{}' is unknown here", printable(name, 80)),
-                            fmt::format("known: {}", fmt::join(known, ", ")));
-  }
-  return std::nullopt;
-}
-
 using Names = std::initializer_list<std::pair<const char*, std::string*>>;
 
 std::optional<HttpResponse> read_names(const Body& object, Names names) {

@@ -14,6 +14,7 @@
 namespace fieldcast::web {
 
 inline constexpr int kMaxJsonDepth = 8;
+inline constexpr std::size_t kUsualBody = 64 * 1024;  // bytes of the body of a request
 
 // Empty if the text is not a JSON object, too deep, not UTF-8 or has a duplicate key.
 [[nodiscard]] std::optional<nlohmann::json> parse_object(std::string_view text);
@@ -36,6 +37,7 @@ struct Route {
   std::string path;  // exact
   Access access;
   Handler handler;
+  std::size_t body_bytes = kUsualBody;  // at most, for a caller who may use the route
 };
 
 [[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);

@@ -148,6 +148,16 @@ Site::Known Site::known(const RawRequest& request) {
   return known;
 }
 
+std::size_t Site::body_limit(const RawRequest& head) {
+  const auto target = parse_target(head.target);
+  const auto method = method_from(head.method);
+  if (!target || !method) return kUsualBody;
+  const Known who = known(head);
+  const auto route = routes_.find(*method, target->path,
+                                  who.caller ? std::optional(who.caller->role) : std::nullopt);
+  return route ? (*route)->body_bytes : kUsualBody;
+}
+
 void Site::handle(RawRequest raw, Reply reply) {
   auto target = parse_target(raw.target);
   const Reply finish = [this, path = target ? target->path : std::string(),

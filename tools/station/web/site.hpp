@@ -66,6 +66,8 @@ class Site {
 
   // `reply` is called once, immediately or later.
   void handle(RawRequest request, Reply reply);
+  // Returns the limit of the route; kUsualBody if this client may not use it.
+  [[nodiscard]] std::size_t body_limit(const RawRequest& head);
   [[nodiscard]] HttpResponse refusal(unsigned status, std::string_view error,
                                      std::string_view hint) const;
 

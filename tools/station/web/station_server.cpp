@@ -51,6 +51,9 @@ HttpResponse StationServer::refusal(unsigned status, std::string_view error,
 }
 
 bool StationServer::has_login(const RawRequest& request) { return site_.has_login(request); }
+std::size_t StationServer::body_limit(const RawRequest& head, std::size_t usual) {
+  return std::max(usual, site_.body_limit(head));
+}
 
 tl::expected<HttpService::TakeStream, HttpResponse> StationServer::upgrade(
     const RawRequest& request) {

@@ -6,6 +6,7 @@
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
+#include "tools/station/dashboard/dashboard_table.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {
@@ -86,6 +87,9 @@ class OpenApiTest : public test::ApiTest {
     plan.plan.groups.push_back({});
     plan.plan.groups[0].points.push_back({});
     model_.put(plan);
+    auto connection = open_store(address(), IfMissing::kCreate);
+    EXPECT_TRUE(DashboardTable(*connection).save({.name = "pumps", .version = 1, .content = "{}"}));
+    EXPECT_EQ(PictureTable(*connection).save({{.name = "boiler", .content = "<svg/>"}, "svg"}), 1);
     store([](Store& to) {
       const auto number = to.number_of({.bus = "line", .device = "d", .channel = "speed"});
       const SampleRow row{
@@ -158,7 +162,7 @@ std::vector<std::string> json_targets() {
 
 TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
-  EXPECT_EQ(targets.size(), 13u);
+  EXPECT_EQ(targets.size(), 16u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",
                                  "/api/history?channel=line/d/speed&channel=line/d/none"});
   for (const std::string& target : targets) {
@@ -187,9 +191,10 @@ TEST_F(OpenApiTest, ExamplesFitTheirSchemasAndAreTaken) {
       HttpRequest request = test::request_of(path, Method::kPost);
       request.body = example.at("value").dump();
       const HttpResponse response = ask(request);
-      EXPECT_EQ(response.status, 202u) << path << ' ' << response.body;
+      const char* const status = methods.at("post").at("responses").contains("202") ? "202" : "200";
+      EXPECT_EQ(std::to_string(response.status), status) << path << ' ' << response.body;
       EXPECT_EQ(
-          config::misfit(Plain::parse(response.body), schema_of(path, "post", "202"), document()),
+          config::misfit(Plain::parse(response.body), schema_of(path, "post", status), document()),
           "");
     }
   }

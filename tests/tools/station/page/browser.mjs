@@ -40,7 +40,7 @@ export async function startBrowser(modules, address) {
     return violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => `${node.html.slice(0, 160)} ${node.any[0]?.message ?? ''}`).join(' | ')}`);
   }
 
-  return { open, axe, faults, close: () => browser.close() };
+  return { open, axe, faults, inspect: () => browser.newBrowserCDPSession(), close: () => browser.close() };
 }
 
 // Finds truncated text, except in elements with data-scroll or a title.

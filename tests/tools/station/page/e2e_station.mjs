@@ -10,7 +10,7 @@ const [address, modules, stationPid, screenshots] = process.argv.slice(2);
 const password = 'secret secret';
 const device = 'press-shop/press-1';
 const pages = ['#/overview', '#/live', `#/channel/${device}/pressure`, '#/alarms', '#/devices', '#/programming', `#/history?c=${device}/pressure&c=press-shop/press-2/pressure&span=1min`,
-  '#/plan/press-shop', '#/audit'];
+  '#/plan/press-shop', '#/audit', '#/dashboards', '#/dashboard/press?press=1'];
 let browser, page;
 
 const settled = async () => {
@@ -32,6 +32,16 @@ const logIn = async (user) => {
 };
 const says = (selector, pattern, what, within_ms) =>
   until(async () => pattern.test(await page.locator(selector).first().textContent().catch(() => '')), what, within_ms);
+const post = (path, body) => page.evaluate(async ([to, what]) => {
+  const response = await fetch(to, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(what) });
+  return { status: response.status, body: await response.json() };
+}, [path, body]);
+const dashboard = JSON.stringify({ name: 'press', title: 'Press ${press}', parameters: [{ name: 'press', default: '1', values: ['1', '2'] }], widgets: [
+  { kind: 'number', at: [0, 0, 4, 3], title: 'Pressure', channel: 'press-shop/press-${press}/pressure' },
+  { kind: 'trend', at: [4, 0, 8, 6], title: 'Pressures', channels: ['press-shop/press-1/pressure', 'press-shop/press-2/pressure'], span: '1min' },
+  { kind: 'button', at: [0, 3, 4, 3], title: 'Press', channel: 'press-shop/press-${press}/running', value: false, text: 'Stop', verify: true },
+  { kind: 'picture', at: [0, 6, 12, 6], title: 'Hall', picture: 'hall', values: [{ channel: 'press-shop/press-${press}/pressure', x: 40, y: 50, size: 10 }] }] });
+const hall = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100" onload="document.title=1"><script>alert(1)</script><rect width="300" height="100" fill="#dde3e8"/></svg>';
 const write = async (channel, value) => {
   await go(`#/channel/${device}/${channel}`);
   if (await page.locator('select#new-value').count()) await page.selectOption('#new-value', String(value));
@@ -42,7 +52,7 @@ const write = async (channel, value) => {
 
 before(async () => {
   browser = await startBrowser(modules, address);
-  page = await browser.open('#/overview', { ignore: /40[13]|WebSocket|ERR_|api\/plan/ });
+  page = await browser.open('#/overview', { ignore: /40[0139]|WebSocket|ERR_|api\/plan/ });
 });
 after(() => browser?.close());
 
@@ -65,6 +75,42 @@ test('a viewer sees values and may not write', async () => {
     return answer.status;
   }, `${device}/setpoint`);
   assert.equal(refused, 403);
+  for (const [path, body] of [['dashboards/check', { text: dashboard }], ['dashboards/save', { text: dashboard, base: 0 }], ['dashboards/delete', { name: 'press', base: 0 }],
+    ['pictures/save', { name: 'hall', data: btoa('<svg viewBox="0 0 1 1"/>') }], ['pictures/delete', { name: 'hall' }]])
+    assert.equal((await post(`/api/${path}`, body)).status, 403, path);
+  await page.getByRole('button', { name: 'Log out' }).click();
+});
+
+test('an engineer makes a dashboard with a picture', async () => {
+  await logIn('erik');
+  const picture = await post('/api/pictures/save', { name: 'hall', data: Buffer.from(hall).toString('base64') });
+  assert.deepEqual([picture.status, picture.body.removed], [200, ['onload', 'script']]);
+  assert.equal((await post('/api/dashboards/save', { text: dashboard, base: 0 })).body.version, 1);
+  const conflict = await post('/api/dashboards/save', { text: dashboard, base: 0 });
+  assert.deepEqual([conflict.status, conflict.body.error], [409, 'erik has saved version 1 of this dashboard']);
+  assert.equal((await post('/api/dashboards/save', { text: dashboard.replace('[0,6,12,6]', '[0,6,13,6]'), base: 1 })).status, 400);
+  await go('#/dashboards');
+  await page.getByRole('link', { name: 'Press ${press}' }).click();
+  await page.getByRole('button', { name: 'Edit', exact: true }).click();
+  await page.locator('.handle[aria-label^="Number"]').focus();
+  await page.keyboard.press('Shift+ArrowUp');
+  await page.getByRole('button', { name: 'Save', exact: true }).click();
+  await says('.messages', /Version 2 is saved/, 'the second version');
+  await page.getByRole('button', { name: 'Log out' }).click();
+});
+
+test('an operator uses it', async () => {
+  await logIn('anna');
+  await go('#/dashboard/press?press=1');
+  await says('.k-number .w-value', /\d/, 'a value');
+  const value = () => page.locator('.k-number .w-value').textContent();
+  const first = await value();
+  await until(async () => await value() !== first, 'the pressure moves');
+  assert.equal(await page.getByRole('button', { name: 'Edit', exact: true }).count(), 0);
+  await page.waitForFunction(() => document.querySelector('.mimic image')?.getBoundingClientRect().width > 0);
+  await page.getByRole('button', { name: 'Stop' }).click();
+  await page.locator('dialog').getByRole('button', { name: 'Write' }).click();
+  await says('.k-button .w-outcome', /written and read back = false/, 'the outcome of the command');
   await page.getByRole('button', { name: 'Log out' }).click();
 });
 

@@ -21,7 +21,7 @@ from plant import STOP_SECONDS, Plant, wait_until
 
 START_SECONDS = 20
 SKIPPED = 77
-USERS = {"anna": "operator", "vera": "viewer"}
+USERS = {"anna": "operator", "vera": "viewer", "erik": "engineer"}
 PASSWORD = "secret secret"
 
 CONFIG = """

@@ -4,8 +4,8 @@
 //   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
 //     [--login] [--quiet]
 //
-// FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera
-// (viewer), password `secret secret`.
+// FOLDER: the built page (build/station-page/files). --login: users anna (operator), vera (viewer)
+// and erik (engineer), password `secret secret`.
 
 import { createServer } from 'node:http';
 import { randomBytes } from 'node:crypto';
@@ -14,6 +14,7 @@ import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
+import { mockDashboards } from './mock_dashboards.mjs';
 
 const contentTypes = {
   '/': ['index.html', 'text/html; charset=utf-8'], '/embed': ['index.html', 'text/html; charset=utf-8'],
@@ -23,7 +24,7 @@ const contentTypes = {
 const contentSecurity = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
   "font-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; " +
   "require-trusted-types-for 'script'; trusted-types lit-html";
-const users = { anna: 'operator', vera: 'viewer' };
+const users = { anna: 'operator', vera: 'viewer', erik: 'engineer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
@@ -177,7 +178,7 @@ function planOf(bus, load = 0.46) {
 
 // Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
 // true, new sockets are rejected.
-export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20 }) {
+export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20, role = 'operator' }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
   const plant = new InventedPlant(channels);
   const logins = new Map();  // cookie: user
@@ -185,10 +186,11 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
   const clients = new Set();
   const mock = { plant, planLoad: 0.46, refuse: false, silent: false, writes: [] };
+  const dashboards = mock.dashboards = mockDashboards();
   let nextRequest = 100;
 
   const caller = (request) => {
-    if (!login) return { user: 'local', role: 'operator' };
+    if (!login) return { user: 'local', role };
     const cookie = /fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1];
     return logins.get(cookie);
   };
@@ -242,6 +244,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/history': (url) => [200, history(url)],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
+    ...dashboards.get,
     '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
       [404, { error: 'no bridge publishes a plan of this bus', hint: '' }]),
   };
@@ -286,10 +289,16 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       logins.delete(/fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1]);
       return json(204);
     }
-    if (request.method === 'POST' && post[url.pathname]) return me.role === 'operator' ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
+    if (request.method === 'POST' && post[url.pathname]) return me.role !== 'viewer' ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
+    if (request.method === 'POST' && dashboards.post[url.pathname])
+      return me.role === 'engineer' ? json(...dashboards.post[url.pathname](me, body)) : json(403, { error: 'not allowed', hint: 'your role may not do this' });
     const found = request.method === 'GET' && get[url.pathname]?.(url);
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
+    if (found.svg) {
+      response.writeHead(200, { ...headers, 'content-security-policy': "default-src 'none'; sandbox", 'content-type': 'image/svg+xml' });
+      return response.end(found.svg);
+    }
     response.writeHead(200, { ...headers, 'content-type': 'application/json', 'content-encoding': 'gzip' });
     return response.end(found);
   });
@@ -306,7 +315,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
         const message = JSON.parse(data);
         const answer = (reply) => send({ id: message.id, ...reply });
         if (message.ping !== undefined && !mock.silent) send({ kind: 'pong', id: message.ping });
-        else if (message.write && me.role !== 'operator') answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
+        else if (message.write && me.role === 'viewer') answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
         else if (message.write) write(me.user, message.write, answer);
         else if (message.acquire) setTimeout(() => answer({ kind: 'result', request_id: nextRequest++, state: 'done', cause: 'NONE', reason: '', value: 1, completed_ms: Date.now() }), 20);
         else if (message.subscribe === '*') {
@@ -370,6 +379,6 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   };
   const mock = await startMock({
     files: option('files'), modules: option('modules'), port: Number(option('port', 8090)), channels: Number(option('channels', 10_000)),
-    login: process.argv.includes('--login') });
+    login: process.argv.includes('--login'), role: option('role', 'operator') });
   console.log(`http://127.0.0.1:${mock.port}/`);
 }

@@ -1,3 +1,5 @@
+#include <sstream>
+
 #include "tests/tools/station/web/http_session_fixture.hpp"
 
 namespace fieldcast::web {
@@ -157,6 +159,35 @@ TEST_F(HttpSessionTest, AClientThatExpectsContinueGetsContinue) {
   EXPECT_EQ(send(link, post("", "Content-Length: 2\r\nExpect: 100-continue\r\n")),
             "HTTP/1.1 100 Continue\r\n\r\n");
   EXPECT_THAT(send(link, "{}"), EndsWith("\r\n\r\n{}"));
+}
+
+TEST_F(HttpSessionTest, OnlyACallerOfARouteWithLargeBodiesMaySendOne) {
+  const auto size = [](const HttpRequest& request, const Caller&, const Reply& reply) {
+    HttpResponse response;
+    response.body = "got " + std::to_string(request.body.size());
+    reply(std::move(response));
+  };
+  site_.routes().add({Method::kPost, "/upload", Access::kOperator, size, 100'000});
+  const auto upload = [this](const char* path, std::size_t bytes, bool chunked) {
+    const std::string body = '"' + std::string(bytes - 2, 'x') + '"';
+    std::string head = std::string("POST ") + path +
+                       " HTTP/1.1\r\nHost: 127.0.0.1:8090\r\nOrigin: http://127.0.0.1:8090\r\n"
+                       "Content-Type: application/json\r\n";
+    if (!chunked)
+      return send(connect(), head + "Content-Length: " + std::to_string(bytes) + "\r\n\r\n" + body);
+    std::ostringstream chunk;
+    chunk << std::hex << bytes << "\r\n" << body << "\r\n0\r\n\r\n";
+    return send(connect(), head + "Transfer-Encoding: chunked\r\n\r\n" + chunk.str());
+  };
+  for (const bool chunked : {false, true}) {
+    EXPECT_THAT(upload("/upload", 100'000, chunked), HasSubstr("got 100000"));
+    EXPECT_THAT(upload("/upload", 100'001, chunked), HasSubstr("at most 100000 bytes"));
+    EXPECT_THAT(upload("/echo", 70'000, chunked), HasSubstr("at most 65536 bytes"));
+    EXPECT_THAT(upload("/none", 70'000, chunked), HasSubstr("at most 65536 bytes"));
+    EXPECT_THAT(upload("/upload", 600'000, chunked), HasSubstr("HTTP/1.1 413"));
+  }
+  site_.set_local_role(Role::kViewer);
+  EXPECT_THAT(upload("/upload", 70'000, false), HasSubstr("at most 65536 bytes"));
 }
 
 }  // namespace

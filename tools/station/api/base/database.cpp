@@ -43,10 +43,24 @@ void Database::refuse(Task task) {
   task.refuse(DatabaseFault::kBusy);
 }
 
-void Database::respond(Responder read, Reply reply) {
-  query<HttpResponse>(std::move(read), [reply = std::move(reply)](auto result) {
+namespace {
+
+Database::Done<HttpResponse> replying(Reply reply) {
+  return [reply = std::move(reply)](auto result) {
     reply(result ? *std::move(result) : response_of(result.error()));
-  });
+  };
+}
+
+}  // namespace
+
+void Database::respond(Responder read, Reply reply) {
+  query<HttpResponse>(std::move(read), replying(std::move(reply)));
+}
+
+void Database::respond_changing(Responder change, Reply reply) {
+  Task task = task_of<HttpResponse>(std::move(change), replying(std::move(reply)), true);
+  if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
+  put(std::move(task));
 }
 
 void Database::run(BoundedQueue<Task>& queue) {
@@ -57,19 +71,20 @@ void Database::run(BoundedQueue<Task>& queue) {
 }
 
 void Database::serve(Task task) {
+  std::unique_ptr<SqlConnection>& connection = task.changes ? changing_ : reading_;
   try {
-    if (!connection_) {
-      connection_ = open_store(address_, IfMissing::kFail);
-      make_read_only(*connection_);
+    if (!connection) {
+      connection = open_store(address_, IfMissing::kFail);
+      if (!task.changes) make_read_only(*connection);
     }
-    connection_->limit(std::chrono::steady_clock::now() + kLongest);
-    task.run(*connection_);
+    connection->limit(std::chrono::steady_clock::now() + kLongest);
+    task.run(*connection);
   } catch (const StoreTooSlow& error) {
     ++too_slow_;
     fail(task, DatabaseFault::kTooSlow, error.what());
   } catch (const StoreError& error) {
     ++away_;
-    connection_.reset();
+    connection.reset();
     fail(task, DatabaseFault::kAway, error.what());
   }
   --waiting_;

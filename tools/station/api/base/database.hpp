@@ -1,6 +1,7 @@
-// Runs queries of the store on a thread of its own over one read-only connection. Queries are
-// posted from the io thread and their results return there. The first query opens the store, and so
-// does the next one after a failure. Failures are logged; responses have no detail.
+// Runs queries of the store on a thread of its own over one read-only connection, and the rare
+// changes over a second one. Queries are posted from the io thread and their results return there.
+// The first query opens the store, and so does the next one after a failure. Failures are logged;
+// responses have no detail.
 #pragma once
 
 #include <atomic>
@@ -39,17 +40,19 @@ class Database {
   using Done = std::function<void(tl::expected<Result, DatabaseFault>)>;
   template <class Result>
   void query(std::function<Result(SqlConnection&)> read, Done<Result> done) {
-    Task task = task_of(std::move(read), std::move(done));
+    Task task = task_of(std::move(read), std::move(done), false);
     if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
     put(std::move(task));
   }
   // Follow-up query; never fails with kBusy. REQUIRES: at most one for each server connection.
   template <class Result>
   void query_further(std::function<Result(SqlConnection&)> read, Done<Result> done) {
-    put(task_of(std::move(read), std::move(done)));
+    put(task_of(std::move(read), std::move(done), false));
   }
   using Responder = std::function<HttpResponse(SqlConnection&)>;
   void respond(Responder read, Reply reply);
+  // As respond(), over the connection that may change the store.
+  void respond_changing(Responder change, Reply reply);
 
   struct Counters {
     std::uint64_t completed = 0;
@@ -62,9 +65,10 @@ class Database {
   struct Task {
     std::function<void(SqlConnection&)> run;  // may throw StoreError, before it posts a result
     std::function<void(DatabaseFault)> refuse;
+    bool changes = false;
   };
   template <class Result>
-  Task task_of(std::function<Result(SqlConnection&)> read, Done<Result> done) {
+  Task task_of(std::function<Result(SqlConnection&)> read, Done<Result> done, bool changes) {
     auto shared = std::make_shared<Done<Result>>(std::move(done));
     return {[this, read = std::move(read), shared](SqlConnection& connection) {
               auto result = std::make_shared<Result>(read(connection));
@@ -73,7 +77,8 @@ class Database {
             },
             [this, shared](DatabaseFault fault) {
               post_([shared, fault] { (*shared)(tl::make_unexpected(fault)); });
-            }};
+            },
+            changes};
   }
   void put(Task task);
   void refuse(Task task);
@@ -86,7 +91,8 @@ class Database {
 
   const StoreAddress address_;
   const PostToIo post_;
-  std::unique_ptr<SqlConnection> connection_;  // used on the database thread only; null: not open
+  // Used on the database thread only; null: not open.
+  std::unique_ptr<SqlConnection> reading_, changing_;
   std::atomic<std::size_t> waiting_{0};
   std::atomic<std::uint64_t> completed_{0}, busy_{0}, too_slow_{0}, away_{0};
   Worker<Task> worker_;  // last member: its thread uses the members above

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 #include "bridge/http/http_message.hpp"
 #include "core/base/duration_text.hpp"
@@ -140,6 +141,16 @@ Checked<std::vector<ChannelPath>> Parameters::channels(std::string_view name,
     paths.push_back(*std::move(path));
   }
   return paths;
+}
+
+std::optional<HttpResponse> unknown_member(const nlohmann::json& object,
+                                           std::initializer_list<std::string_view> known) {
+  for (const auto& [name, value] : object.items()) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return error_response(400, fmt::format("'{}' is unknown here", printable(name, 80)),
+                            fmt::format("known: {}", fmt::join(known, ", ")));
+  }
+  return std::nullopt;
 }
 
 HttpResponse json_response(std::string json, bool compress) {

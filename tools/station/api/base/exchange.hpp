@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -52,6 +54,10 @@ class Parameters {
   const HttpRequest& request_;
   const std::vector<std::string_view> known_;
 };
+
+// Refuses a member of a JSON body that is not in `known`.
+[[nodiscard]] std::optional<HttpResponse> unknown_member(
+    const nlohmann::json& object, std::initializer_list<std::string_view> known);
 
 // bytes; longer bodies are compressed if the client accepts gzip
 inline constexpr std::size_t kWorthCompressing = 2048;

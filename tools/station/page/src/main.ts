@@ -4,6 +4,7 @@
 import { request } from './api';
 import type { Change, Context, Page } from './context';
 import { setLanguage, t } from './i18n';
+import { nextTurn } from './kiosk';
 import { Live } from './live';
 import { pageOf } from './pages';
 import { Plant } from './plant';
@@ -83,14 +84,12 @@ function showPage(): void {
   schedule();
 }
 
-// A wall screen may show some pages in turn: ?kiosk=overview,alarms&every=20 (seconds).
 function rotate(): void {
   clearTimeout(rotation);
-  const names = (route.query.get('kiosk') ?? '').split(',').filter(pageOf);
-  if (names.length < 2) return;
-  const next = names[(names.indexOf(route.name) + 1) % names.length]!;
+  const next = nextTurn(route, (name) => pageOf(name) !== undefined);
+  if (next === undefined) return;
   const every_s = Math.max(shortestTurn_s, Number(route.query.get('every')) || usualTurn_s);
-  rotation = window.setTimeout(() => { location.hash = `#/${next}?${route.query}`; }, every_s * 1000);
+  rotation = window.setTimeout(() => { location.hash = next; }, every_s * 1000);
 }
 
 // A wall screen's link has its token behind the #, which is not sent to a server. It is removed from the address immediately.

@@ -7,6 +7,8 @@ import type { Texts } from './i18n';
 import * as alarms from './pages/alarms';
 import * as audit from './pages/audit';
 import * as channel from './pages/channel';
+import * as dashboard from './pages/dashboard';
+import * as dashboards from './pages/dashboards';
 import * as devices from './pages/devices';
 import * as history from './pages/history';
 import * as live from './pages/live';
@@ -25,12 +27,14 @@ interface Row {
 const rows = [
   { name: 'overview', module: overview, key: 'o' },
   { name: 'live', module: live, key: 'l' },
+  { name: 'dashboards', module: dashboards, key: 'b' },
   { name: 'alarms', module: alarms, key: 'a' },
   { name: 'devices', module: devices, key: 'd' },
   { name: 'programming', module: programming, key: 'p' },
   { name: 'history', module: history, key: 'h' },
   { name: 'audit', module: audit, key: 'u' },
   { name: 'channel', module: channel, under: 'live' },
+  { name: 'dashboard', module: dashboard, under: 'dashboards' },
   { name: 'plan', module: plan, under: 'overview' },
   { name: 'login', module: login },
 ] as const satisfies readonly Row[];

@@ -4,6 +4,8 @@ import { nothing, render } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
 import type { Line } from '../chart';
+import { confirmWrite, outcomeOf } from '../command';
+import type { Outcome } from '../command';
 import type { Context, MakePage, Page } from '../context';
 import { age, clock, duration, exactValue, tableValue } from '../format';
 import { t, word } from '../i18n';
@@ -14,7 +16,7 @@ import { LiveTail, lineOf } from '../trend';
 import { typedValue } from '../typed';
 import { isLate, notYetRead } from '../types';
 import type { Channel, History, Result, Series } from '../types';
-import { ask, badge, empty, errorText, fact, makeElement, qualityText, toneOfQuality } from '../view';
+import { badge, empty, errorText, fact, makeElement, qualityText, toneOfQuality } from '../view';
 import '../../styles/channel.css';
 
 export const texts = {
@@ -40,11 +42,9 @@ const chartHeight = 320;
 const againAfter_ms = 4000;  // fetches the history again, for samples that the store wrote late
 const mostOutcomes = 8;
 
-interface Outcome {
+interface Entry extends Outcome {
   at_ms: number;
   what: string;
-  text: string;
-  bad: boolean;
 }
 
 class ChannelPage implements Page {
@@ -62,7 +62,7 @@ class ChannelPage implements Page {
   private span_ms: number;
   private zoom: { from_ms: number; to_ms: number } | undefined;
   private cursor = '';
-  private readonly outcomes: Outcome[] = [];
+  private readonly outcomes: Entry[] = [];
   private fault = '';
   private leave: (() => void) | undefined;
   private asked = new AbortController();
@@ -279,31 +279,18 @@ class ChannelPage implements Page {
     this.drawCommands();
     const shown = `${String(typed.value)} ${channel.unit}`.trim();
     const verify = data.get('verify') !== null;
-    const sure = await ask({
-      title: t('channel.confirm-title'), confirm: t('channel.write'), danger: true,
-      body: html`<p><b>${channel.path}</b></p><p class="from-to">${t('channel.from-to', { from: `${this.valueText(true)} ${channel.unit}`.trim(), to: shown })}</p>`,
-    });
+    const sure = await confirmWrite(channel.path, `${this.valueText(true)} ${channel.unit}`.trim(), shown);
     if (sure) await this.follow(shown, this.context.live.write(channel.path, typed.value, verify));
   };
 
   private readonly acquire = (): void => void this.follow(t('channel.read-now'), this.context.live.acquire(this.path));
 
   private async follow(what: string, command: Promise<Result>): Promise<void> {
-    const started = performance.now();
-    const outcome: Outcome = { at_ms: this.context.now(), what, text: t('channel.waiting'), bad: false };
-    this.outcomes.unshift(outcome);
+    const entry: Entry = { at_ms: this.context.now(), what, text: t('channel.waiting'), bad: false };
+    this.outcomes.unshift(entry);
     this.outcomes.splice(mostOutcomes);
     this.drawCommands();
-    try {
-      const result = await command;
-      outcome.bad = !['done', 'verified'].includes(result.state);
-      const reason = outcome.bad ? [result.cause === 'NONE' ? '' : word('cause', result.cause), result.reason].filter(Boolean).join(': ') : '';
-      const value = result.value === null || result.value === undefined ? '' : Array.isArray(result.value) ? result.value.join(' ') : String(result.value);
-      outcome.text = [word('result', result.state), reason, value && `= ${value}`, `(${duration(Math.round(performance.now() - started))})`].filter(Boolean).join(' ');
-    } catch (error) {
-      outcome.bad = true;
-      outcome.text = errorText(error);
-    }
+    Object.assign(entry, await outcomeOf(command));
     this.drawCommands();
   }
 }

@@ -1,0 +1,27 @@
+// Texts of dashboards: the kinds of widgets, their properties, the editor.
+
+export const texts = {
+  'dashboard.no-store': ['This station has no store, and dashboards need one.', '此监控站没有存储，而仪表盘需要存储。'],
+  'dashboard.edit': ['Edit', '编辑'], 'dashboard.save': ['Save', '保存'], 'dashboard.saved': ['Version {version} is saved.', '已保存版本 {version}。'],
+  'dashboard.discard': ['Discard changes', '放弃更改'], 'dashboard.done': ['Leave the editor', '退出编辑'], 'dashboard.undo': ['Undo', '撤销'],
+  'dashboard.add-widget': ['Add a widget', '添加部件'], 'dashboard.add': ['Add', '添加'], 'dashboard.remove': ['Remove', '移除'],
+  'dashboard.properties': ['Properties', '属性'], 'dashboard.text': ['Text of the dashboard (JSON)', '仪表盘文本（JSON）'], 'dashboard.whole': ['Whole dashboard', '整个仪表盘'],
+  'dashboard.allowed': ['Allowed', '允许'], 'dashboard.keys': ['Arrow keys move, Shift and arrow keys resize, Delete removes.', '方向键移动，Shift 加方向键调整大小，Delete 移除。'],
+  'dashboard.place': ['Place', '放置'], 'dashboard.place-hint': ['Click on the picture where the value is to be.', '点击图片上要放置数值的位置。'],
+  'dashboard.earlier': ['Load an earlier version', '载入较早版本'],
+  'dashboard.handle': ['{name}: column {column}, row {row}, {width} × {height}', '{name}：第 {column} 列，第 {row} 行，{width} × {height}'],
+  'dashboard.late': ['late', '延迟'], 'dashboard.channel': ['Channel', '通道'], 'dashboard.value': ['Value', '值'], 'dashboard.quality': ['Quality', '质量'],
+  'dashboard.more': ['{n} more channels match.', '还有 {n} 个匹配的通道。'], 'dashboard.no-channels': ['No channel matches.', '没有匹配的通道。'],
+  'dashboard.no-picture': ['There is no picture {name}.', '没有图片 {name}。'],
+  'widget.number': ['Number', '数值'], 'widget.gauge': ['Gauge', '仪表'], 'widget.level': ['Level', '液位'], 'widget.lamp': ['State lamp', '状态灯'],
+  'widget.trend': ['Trend', '趋势'], 'widget.bars': ['Bars', '条形图'], 'widget.table': ['Table', '表格'], 'widget.alarms': ['Alarms', '报警'],
+  'widget.button': ['Command button', '命令按钮'], 'widget.setpoint': ['Set-point', '设定值'], 'widget.picture': ['Picture with values', '带数值的图片'], 'widget.text': ['Text', '文本'],
+  'property.name': ['Name', '名称'], 'property.title': ['Title', '标题'], 'property.channel': ['Channel', '通道'], 'property.channels': ['Channels', '通道'],
+  'property.digits': ['Decimals', '小数位'], 'property.min': ['Minimum', '最小值'], 'property.max': ['Maximum', '最大值'], 'property.states': ['States', '状态'],
+  'property.value': ['Value', '值'], 'property.text': ['Text', '文本'], 'property.tone': ['Colour', '颜色'], 'property.span': ['Time span', '时间跨度'],
+  'property.pattern': ['Pattern', '模式'], 'property.verify': ['Read back', '回读'], 'property.picture': ['Picture', '图片'], 'property.values': ['Values', '数值'],
+  'property.x': ['From the left, %', '距左侧 %'], 'property.y': ['From the top, %', '距顶部 %'], 'property.label': ['Label', '标签'], 'property.size': ['Height of the text, %', '文字高度 %'],
+  'property.opens': ['Opens the dashboard', '打开仪表盘'], 'property.parameters': ['Parameters', '参数'], 'property.default': ['Default', '默认值'],
+  'property.columns': ['Columns', '列数'], 'property.row_px': ['Height of a row, px', '行高 px'],
+  'choice.good': ['good', '良好'], 'choice.warning': ['warning', '警告'], 'choice.bad': ['bad', '异常'], 'choice.plain': ['plain', '普通'],
+} as const;
