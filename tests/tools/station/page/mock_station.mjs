@@ -2,28 +2,29 @@
 // alone.
 //
 //   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
-//     [--login] [--quiet]
+//     [--login] [--role ROLE] [--quiet]
 //
-// FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera
-// (viewer), password `secret secret`.
+// FOLDER: the built page (build/station-page/files). --login: users anna (operator), erna (engineer)
+// and vera (viewer), password `secret secret`. --role: the role of everybody without a login.
 
 import { createServer } from 'node:http';
 import { randomBytes } from 'node:crypto';
-import { readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
+import { MockConfiguration } from './mock_configuration.mjs';
 
 const contentTypes = {
-  '/': ['index.html', 'text/html; charset=utf-8'], '/embed': ['index.html', 'text/html; charset=utf-8'],
-  '/app.js': ['app.js', 'text/javascript; charset=utf-8'], '/app.css': ['app.css', 'text/css; charset=utf-8'],
-  '/icon.svg': ['icon.svg', 'image/svg+xml'], '/manifest': ['manifest', 'application/manifest+json'],
+  html: 'text/html; charset=utf-8', js: 'text/javascript; charset=utf-8', css: 'text/css; charset=utf-8', svg: 'image/svg+xml', manifest: 'application/manifest+json',
 };
+// Name of the page's file with this address.
+const fileOf = (path) => (path === '/' || path === '/embed' ? 'index.html' : /^\/[\w.-]+$/.test(path) ? path.slice(1) : '');
 const contentSecurity = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
   "font-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; " +
   "require-trusted-types-for 'script'; trusted-types lit-html";
-const users = { anna: 'operator', vera: 'viewer' };
+const users = { anna: 'operator', erna: 'engineer', vera: 'viewer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
@@ -177,21 +178,22 @@ function planOf(bus, load = 0.46) {
 
 // Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
 // true, new sockets are rejected.
-export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20 }) {
+export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, role = 'operator', slices = 20 }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
   const plant = new InventedPlant(channels);
   const logins = new Map();  // cookie: user
   const cached = new Map();
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
   const clients = new Set();
-  const mock = { plant, planLoad: 0.46, refuse: false, silent: false, writes: [] };
+  const mock = { plant, configuration: new MockConfiguration(), planLoad: 0.46, refuse: false, silent: false, writes: [] };
   let nextRequest = 100;
 
   const caller = (request) => {
-    if (!login) return { user: 'local', role: 'operator' };
+    if (!login) return { user: 'local', role };
     const cookie = /fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1];
     return logins.get(cookie);
   };
+  const mayOperate = ({ role: of }) => of === 'operator' || of === 'engineer';
   const tell = (message) => { for (const client of clients) client.send(JSON.stringify(message)); };
   const tellResult = (request_id, more = {}) => setTimeout(() => tell({ kind: 'result', request_id, state: 'done', cause: 'NONE', reason: '', value: null, completed_ms: Date.now(), ...more }), 30);
   const findAlarm = (key) => plant.alarms.find((each) => ['bus', 'device', 'channel', 'limit'].every((name) => each[name] === key[name]));
@@ -261,10 +263,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       response.writeHead(status, { ...headers, 'content-type': 'application/json', ...more });
       response.end(status === 204 ? undefined : JSON.stringify(body));
     };
-    const file = contentTypes[url.pathname];
-    if (file) {
-      if (!cached.has(url.pathname)) cached.set(url.pathname, gzipSync(readFileSync(join(files, file[0]))));
-      response.writeHead(200, { ...headers, 'content-type': file[1], 'content-encoding': 'gzip' });
+    const file = fileOf(url.pathname);
+    if (file && existsSync(join(files, file))) {
+      if (!cached.has(url.pathname)) cached.set(url.pathname, gzipSync(readFileSync(join(files, file))));
+      response.writeHead(200, { ...headers, 'content-type': contentTypes[file.split('.').pop()], 'content-encoding': 'gzip' });
       return response.end(cached.get(url.pathname));
     }
     let text = '';
@@ -286,7 +288,12 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       logins.delete(/fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1]);
       return json(204);
     }
-    if (request.method === 'POST' && post[url.pathname]) return me.role === 'operator' ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
+    if (request.method === 'POST' && post[url.pathname]) return mayOperate(me) ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
+    if (url.pathname.startsWith('/api/configuration')) {
+      if (me.role !== 'engineer') return json(403, { error: 'the role engineer is needed', hint: '' });
+      const answer = request.method === 'GET' ? mock.configuration.get(url) : mock.configuration.post(url.pathname, body, me.user);
+      return json(...(answer ?? [404, { error: 'no such resource', hint: '' }]));
+    }
     const found = request.method === 'GET' && get[url.pathname]?.(url);
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
@@ -306,7 +313,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
         const message = JSON.parse(data);
         const answer = (reply) => send({ id: message.id, ...reply });
         if (message.ping !== undefined && !mock.silent) send({ kind: 'pong', id: message.ping });
-        else if (message.write && me.role !== 'operator') answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
+        else if (message.write && !mayOperate(me)) answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
         else if (message.write) write(me.user, message.write, answer);
         else if (message.acquire) setTimeout(() => answer({ kind: 'result', request_id: nextRequest++, state: 'done', cause: 'NONE', reason: '', value: 1, completed_ms: Date.now() }), 20);
         else if (message.subscribe === '*') {
@@ -370,6 +377,6 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   };
   const mock = await startMock({
     files: option('files'), modules: option('modules'), port: Number(option('port', 8090)), channels: Number(option('channels', 10_000)),
-    login: process.argv.includes('--login') });
+    login: process.argv.includes('--login'), role: option('role', 'operator') });
   console.log(`http://127.0.0.1:${mock.port}/`);
 }

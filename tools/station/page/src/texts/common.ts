@@ -7,7 +7,7 @@ export const texts = {
   'lost.title': ['Connection lost for {age}', '连接已中断 {age}'],
   'lost.text': ['Nothing here is current. Trying again in {again}.', '此处数据均非当前值。{again} 后重试。'], 'line.rate': ['{n} values/s', '{n} 值/秒'],
   'line.channels': ['{n} channels', '{n} 个通道'], 'line.bad': ['{n} bad', '{n} 个异常'], 'role.viewer': ['viewer', '查看者'],
-  'role.operator': ['operator', '操作员'], 'role.programmer': ['programmer', '编程员'], 'keys.title': ['Keys', '快捷键'],
+  'role.operator': ['operator', '操作员'], 'role.programmer': ['programmer', '编程员'], 'role.engineer': ['engineer', '工程师'], 'keys.title': ['Keys', '快捷键'],
   'keys.filter': ['To the filter', '转到筛选框'], 'keys.rows': ['Up and down in a table', '在表格中上下移动'], 'keys.open': ['Open the row', '打开该行'],
   'keys.leave': ['Leave a field or a dialog', '离开输入框或对话框'], 'keys.help': ['This list', '显示此列表'],
   'error.lost': ['The station does not answer.', '监控站没有响应。'],
