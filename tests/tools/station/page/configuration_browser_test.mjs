@@ -230,6 +230,29 @@ test('a change rolled back by the bridge is reported, and the draft stays', { sk
   assert.match(await text(page), /unit: K/);
 });
 
+test('a version that somebody else deploys during the watch is not overwritten', { skip }, async () => {
+  const page = await open();
+  const deploy = async (changed, why) => {
+    await area(page).fill(changed);
+    await until(() => button(page, 'Deploy …').isEnabled(), 'the draft may be deployed');
+    await button(page, 'Deploy …').click();
+    await page.keyboard.type(why);
+    await page.keyboard.press('Enter');
+  };
+  const kelvin = firstText.replace('unit: °C', 'unit: K'), moved = kelvin.replace('in cabinet 3', 'in cabinet 4');
+  await deploy(kelvin, 'kelvin');
+  await says(page, '.watch', /Version 2 is watched/);
+  await area(page).fill(`${kelvin}# mine\n`);
+  mock.configuration.put(moved, 'otto', 'moved');
+  mock.configuration.end('confirmed');
+  await says(page, '.watch', /Version 3: confirmed/);
+  await deploy(`${kelvin}# mine\n`, 'comment');
+  await says(page, 'dialog h2', /Somebody else has deployed version 3/);
+  await button(page, 'Continue').click();
+  await until(async () => await text(page) === `${moved}# mine\n`, 'both changes');
+  await page.context().close();
+});
+
 test('a dropped list shows what moved and what was refused, and becomes a device', { skip }, async () => {
   const page = await open();
   await button(page, 'Add a device').click();
@@ -270,7 +293,7 @@ test('versions tell who and why, show their changes, are downloaded and returned
 
 test('hostile text is shown as text', { skip }, async () => {
   const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>';
-  const hostile = firstText.replace('name: device-02', `name: ${JSON.stringify(evil)}`).replace('# The plant', `# ${evil}`);
+  const hostile = firstText.replace('name: device-02', `name: ${JSON.stringify(evil)}`).replace('# The plant', `# \u202e${evil}`);
   mock.configuration.text = hostile;
   mock.configuration.protected = [{ line: 3, why: evil }];
   mock.configuration.versions[0] = { ...mock.configuration.versions[0], who: evil, why: evil, text: hostile };
@@ -279,6 +302,7 @@ test('hostile text is shown as text', { skip }, async () => {
   const page = await open();
   await cursorBehind(page, 'address: 2');
   await says(page, '.side h2', /<img src=x/);
+  assert.match(await page.getAttribute('.yaml-gutter .hidden', 'title'), /not visible: # \\u202E</);
   await button(page, 'Add a device').click();
   await says(page, '.picks', /<script>/);
   await button(page, 'File').click();

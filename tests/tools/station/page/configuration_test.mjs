@@ -233,3 +233,10 @@ test('plans of draft and today are joined by bus, the worst first', () => {
   assert.deepEqual(rows.map(({ bus }) => bus), ['c', 'b', 'd', 'a']);
   assert.equal(plan_rows.worstOf(plan('a', 0)).channel, 'y');
 });
+
+test('a file with CR LF is edited without CR and written back with it', () => {
+  const made = new draft.Draft({ text: 'a: 1\r\nb: 2\r\n' });
+  assert.equal(made.changed, false);
+  made.set('a: 1\nb: 3\n');
+  assert.equal(made.written, 'a: 1\r\nb: 3\r\n');
+});

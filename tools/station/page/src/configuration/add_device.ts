@@ -39,6 +39,7 @@ export class AddDevice {
   private found: readonly Found[] | undefined;
   private values: readonly FirstValue[] | undefined;
   private running = '';  // text of the request in flight
+  private scanning = false;
   private startedAt = 0;
   private fault = '';
 
@@ -62,6 +63,7 @@ export class AddDevice {
       this.fault = errorText(error);
     }
     this.running = '';
+    this.scanning = false;
     this.host.draw();
   }
 
@@ -173,7 +175,10 @@ export class AddDevice {
   }
 
   private scanPart(): TemplateResult {
-    const start = (): void => void this.run(t('configuration.scanning', { s: 0 }), async () => { this.found = await api.scan(this.host.bridge, this.busName); });
+    const start = (): void => {
+      this.scanning = true;
+      void this.run(t('configuration.scanning', { s: 0 }), async () => { this.found = await api.scan(this.host.bridge, this.busName); });
+    };
     return html`<button type="button" ?disabled=${!!this.running} @click=${start}>${t('configuration.scan')}</button>
       ${this.found ? html`<ul class="picks" data-scroll aria-label=${t('configuration.scan-found')}>${this.found.flatMap(({ address, description, protocol, templates }) =>
         (templates.length ? templates : ['']).map((template) => html`<li><button type="button" aria-pressed=${template === this.template && address === this.address}
@@ -183,7 +188,7 @@ export class AddDevice {
 
   // Each second while a request is in flight.
   tick(): void {
-    if (this.running && this.source === 'scan' && !this.values) this.running = t('configuration.scanning', { s: Math.round((performance.now() - this.startedAt) / 1000) });
+    if (this.scanning) this.running = t('configuration.scanning', { s: Math.round((performance.now() - this.startedAt) / 1000) });
   }
 
   private identity(): TemplateResult {

@@ -6,15 +6,30 @@ import { equalLines } from './line_diff';
 const mostSteps = 200;
 const oneStepWithin_ms = 800;
 
+export const withoutCr = (text: string): string => text.replaceAll('\r\n', '\n');
+
 export class Draft {
   text: string;
   private readonly past: string[] = [];
   private future: string[] = [];
   private typedAt = -Infinity;
 
-  constructor(public base: Configuration) {
-    this.text = base.text;
+  private crlf = false;  // ends of lines in the bridge's file
+  base!: Configuration;
+
+  constructor(base: Configuration) {
+    this.rebase(base);
+    this.text = this.base.text;
   }
+
+  // Sets the version that the draft is compared with. A textarea has ends of lines without CR.
+  rebase(base: Configuration): void {
+    this.crlf = base.text.includes('\r\n');
+    this.base = { ...base, text: withoutCr(base.text) };
+  }
+
+  // The text as the bridge's file has it.
+  get written(): string { return this.crlf ? this.text.replaceAll('\n', '\r\n') : this.text; }
 
   get changed(): boolean { return this.text !== this.base.text; }
   get mayUndo(): boolean { return this.past.length > 0; }

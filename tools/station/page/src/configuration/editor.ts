@@ -8,7 +8,7 @@ import type { Completion } from './completion';
 export interface LineMark {
   line: number;
   column: number;  // from 1; 0: the whole line
-  kind: 'fault' | 'protected';
+  kind: 'fault' | 'protected' | 'hidden';
   text: string;
 }
 
@@ -20,6 +20,8 @@ interface Hooks {
   complete(text: string, offset: number): Completion | undefined;
 }
 
+const signs = { fault: '▲', protected: '■', hidden: '◆' } as const;
+const proposeBelow = 200_000;  // characters; beyond, proposals appear only on request
 const lineHeight_px = 20, padding_px = 6;
 
 export class Editor {
@@ -88,7 +90,7 @@ export class Editor {
   private paint(): void {
     const lines = this.area.value.split('\n');
     render(html`<pre>${lines.map((_, index) => index + 1).join('\n')}</pre>${this.marks.map(({ line, kind, text }) => html`
-      <span class=${kind} title=${text} .style=${`top: ${(line - 1) * lineHeight_px + padding_px}px`}>${kind === 'fault' ? '▲' : '■'}</span>`)}`, this.gutter);
+      <span class=${kind} title=${text} .style=${`top: ${(line - 1) * lineHeight_px + padding_px}px`}>${signs[kind]}</span>`)}`, this.gutter);
     render(this.marks.map(({ line, column, kind }) => {
       const word = /^[^\s,{}[\]]*/.exec((lines[line - 1] ?? '').slice(Math.max(0, column - 1)))![0].length || 1;
       return html`<span class=${`whole ${kind}`} .style=${`top: ${(line - 1) * lineHeight_px + padding_px}px`}></span>${column ? html`
@@ -106,7 +108,7 @@ export class Editor {
     this.hooks.input(this.area.value);
     this.paint();
     const typed = (event as InputEvent).data;
-    const open = typed && /[\w-]/.test(typed);
+    const open = typed && /[\w-]/.test(typed) && this.area.value.length < proposeBelow;
     this.propose(open ? this.hooks.complete(this.area.value, this.area.selectionEnd) : undefined);
   };
 

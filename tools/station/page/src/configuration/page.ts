@@ -5,19 +5,21 @@ import type { TemplateResult } from 'lit-html';
 import { ApiError } from '../api';
 import type { Change, Context, Page } from '../context';
 import { save } from '../csv';
-import { addTexts, t, word } from '../i18n';
+import { addTexts, t } from '../i18n';
 import { html } from '../markup';
+import { printable } from '../printable';
 import { link } from '../router';
-import { ask, badge, empty, errorText } from '../view';
+import { ask, empty, errorText } from '../view';
 import { AddDevice } from './add_device';
 import * as api from './api';
-import type { Checked, Configuration, Watch } from './api';
+import type { Checked, Configuration, Fault } from './api';
 import { complete } from './completion';
 import { askConflict, askDeploy } from './deploy';
-import { Draft, ordered, protectedLines } from './draft';
+import { Draft, ordered, protectedLines, withoutCr } from './draft';
 import type { ProtectedLines } from './draft';
 import { Editor } from './editor';
 import type { LineMark } from './editor';
+import { faultList, faultsByKey, toldOf } from './fault_list';
 import { formFields, keyOf } from './form';
 import type { Form } from './form';
 import { countChanges } from './line_diff';
@@ -28,13 +30,14 @@ import { schemaAt } from './schema';
 import type { Schema } from './schema';
 import { texts } from './texts';
 import { Versions } from './versions';
+import { Watching } from './watching';
 import { addItem, removeAt, setAt, setScalar } from './yaml_edit';
 import { nodeAt, parseTree, pathAt } from './yaml_tree';
 import type { Node, Path } from './yaml_tree';
 
 addTexts(texts);
 
-const parseAfter_ms = 120, checkAfter_ms = 400, watchEvery_ms = 2000;
+const parseAfter_ms = 120, checkAfter_ms = 400;
 
 // Drafts are kept while the user looks at other pages, not beyond a reload.
 const drafts = new Map<string, Draft>();
@@ -48,15 +51,14 @@ export class ConfigurationPage implements Page {
   private readonly versions: Versions | undefined;
   private schema: Schema = {};
   private draft: Draft | undefined;
+  private former: string | undefined;  // text in force before the last deployment
   private tree: Node | undefined;
   private lines: ProtectedLines = { kept: new Map(), lost: [] };
   private checked: Checked | undefined;
   private checking: AbortController | undefined;
   private chosen: Path = [];
   private adding: AddDevice | undefined;
-  private watch: Watch | undefined;
-  private watchedAt = 0;
-  private badBefore = 0;
+  private readonly watching: Watching;
   private fault = '';
   private parseTimer = 0;
   private checkTimer = 0;
@@ -71,6 +73,7 @@ export class ConfigurationPage implements Page {
       redo: () => this.step('redo'),
       complete: (text, offset) => complete(text, offset, this.schema),
     }, t('configuration.text'));
+    this.watching = new Watching(context, this.bridge, (read) => this.readAgain(read));
     if (context.route.parts[1] === 'versions')
       this.versions = new Versions({ bridge: this.bridge, now: () => context.now(), draw: () => this.draw(), say: context.say, returned: () => void this.load(true) });
     void this.load();
@@ -88,8 +91,8 @@ export class ConfigurationPage implements Page {
       return this.context.go(link('configuration', [[...this.context.plant.bridges.keys()].sort()[0]!]));
     if (!change.second) return;
     this.adding?.tick();
-    if (this.watch?.state === 'watching' && performance.now() - this.watchedAt > watchEvery_ms) void this.readWatch();
-    if (this.watch ?? this.adding) this.draw();
+    this.watching.tick();
+    if (this.watching.shown || this.adding) this.draw();
   }
 
   // `fresh`: the configuration in force was changed by this page; the draft is replaced.
@@ -109,10 +112,23 @@ export class ConfigurationPage implements Page {
     const kept = drafts.get(this.bridge);
     if (!kept || !kept.changed || fresh) drafts.set(this.bridge, this.draft = new Draft(read));
     else this.draft = kept;
-    this.watch = read.watch ?? undefined;
+    this.watching.update(read);
     this.editor.text = this.draft.text;
     this.parse();
     this.checkSoon(0);
+  }
+
+  // The version in force may have changed. After a return to the former text, the draft stays. A version of another engineer
+  // replaces only an unchanged draft; a changed one meets it as a conflict when it is deployed.
+  private readAgain(read: Configuration): void {
+    this.watching.update(read);
+    const { draft } = this;
+    if (draft && read.version !== draft.base.version) {
+      if (withoutCr(read.text) === this.former) draft.rebase(read);
+      else if (!draft.changed) this.adopt(read, true);
+      this.parse();
+    }
+    this.draw();
   }
 
   private change(text: string, typed_ms?: number): void {
@@ -154,7 +170,7 @@ export class ConfigurationPage implements Page {
     const { draft } = this;
     if (!draft) return;
     try {
-      const checked = await api.check(this.bridge, draft.text, signal);
+      const checked = await api.check(this.bridge, draft.written, signal);
       if (signal.aborted) return;
       this.checked = { ...checked, faults: ordered(checked.faults, this.fileName) };
       this.checking = undefined;
@@ -171,12 +187,14 @@ export class ConfigurationPage implements Page {
 
   // The name that faults have for the text itself.
   private get fileName(): string { return this.draft?.base.path.split('/').pop() ?? ''; }
-  private ofText(file: string): boolean { return file === '' || file.split('/').pop() === this.fileName; }
+  private inText({ file }: Fault): boolean { return file === '' || file.split('/').pop() === this.fileName; }
+  private faults(): Fault[] { return (this.checked?.faults ?? []).filter((fault) => this.inText(fault)); }
 
   private mark(): void {
-    const faults = (this.checked?.faults ?? []).filter(({ file }) => this.ofText(file)).map<LineMark>(({ line, column, message, hint }) =>
-      ({ line, column, kind: 'fault', text: [message, hint].filter(Boolean).join(' ') }));
-    this.editor.mark([...faults, ...[...this.lines.kept].map<LineMark>(([line, why]) =>
+    const faults = this.faults().map<LineMark>((fault) => ({ line: fault.line, column: fault.column, kind: 'fault', text: toldOf(fault) }));
+    const hidden = this.editor.text.split('\n').flatMap<LineMark>((line, index) => (printable(line) === line ? [] :
+      [{ line: index + 1, column: 0, kind: 'hidden', text: `${t('configuration.hidden')} ${line}` }]));
+    this.editor.mark([...faults, ...hidden, ...[...this.lines.kept].map<LineMark>(([line, why]) =>
       ({ line, column: 0, kind: 'protected', text: t('configuration.protected-line', { why }) }))]);
   }
 
@@ -187,6 +205,9 @@ export class ConfigurationPage implements Page {
     this.chosen = object;
     this.draw();
   }
+
+  // After the focused element was removed or disabled.
+  private focus(selector: string): void { this.element.querySelector<HTMLElement>(selector)?.focus(); }
 
   private choose(path: Path): void {
     this.chosen = path;
@@ -213,6 +234,7 @@ export class ConfigurationPage implements Page {
     this.adding = undefined;
     this.edit((text) => items.reduce((sum, { text: item }) => addItem(sum, path, item), text));
     this.choose([...path, taken.length]);
+    this.focus('.side');
     this.context.say(t('configuration.added', { name: items.map(({ name }) => name).join(', ') }));
   }
 
@@ -243,54 +265,27 @@ export class ConfigurationPage implements Page {
     const why = await askDeploy(draft, checked);
     if (why === undefined) return;
     try {
-      this.badBefore = this.badChannels();
-      this.watch = { ...await api.deploy(this.bridge, draft.base.version, draft.text, why), state: 'watching' };
-      this.watchedAt = performance.now();
-      draft.base = { ...draft.base, text: draft.text, version: this.watch.version };
-      this.context.say(t('configuration.deployed', { version: this.watch.version }));
-      draft.base = await api.read(this.bridge);
+      const bad = this.watching.badChannels();
+      this.former = draft.base.text;
+      const watch = await api.deploy(this.bridge, draft.base.version, draft.written, why);
+      this.watching.begin({ ...watch, state: 'watching' }, bad);
+      this.context.say(t('configuration.deployed', { version: watch.version }));
+      draft.rebase(await api.read(this.bridge));
     } catch (error) {
       const theirs = error instanceof ApiError && error.status === 409 ? error.answer as Partial<Configuration> : undefined;
-      if (theirs?.text !== undefined && theirs.version !== undefined) await this.resolveConflict(draft, { text: theirs.text, version: theirs.version });
+      if (theirs?.text !== undefined && theirs.version !== undefined) await this.resolveConflict(draft, { text: withoutCr(theirs.text), version: theirs.version });
       else this.context.say(errorText(error), true);
     }
     this.parse();
+    this.focus('.watch');
   }
 
   private async resolveConflict(draft: Draft, theirs: Pick<Configuration, 'version' | 'text'>): Promise<void> {
     const text = await askConflict(draft, theirs);
     if (text === undefined) return;
-    draft.base = await api.read(this.bridge);
+    draft.rebase(await api.read(this.bridge));
     this.edit(() => text);
   }
-
-  private async readWatch(): Promise<void> {
-    this.watchedAt = performance.now();
-    const { draft } = this;
-    try {
-      const read = await api.read(this.bridge);
-      if (read.watch) this.watch = read.watch;
-      else if (this.watch) this.watch = { ...this.watch, state: read.version === this.watch.version ? 'kept' : 'rolled-back' };
-      if (draft && read.version !== draft.base.version) {
-        draft.base = read;
-        this.parse();
-      }
-    } catch {
-      // The next second tries again; the line below the head shows a lost connection.
-    }
-    this.draw();
-  }
-
-  private async finish(action: () => Promise<unknown>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.context.say(errorText(error), true);
-    }
-    await this.readWatch();
-  }
-
-  private badChannels(): number { return this.context.plant.count().get('')?.bad ?? 0; }
 
   private draw(): void {
     if (this.closed) return;
@@ -302,37 +297,26 @@ export class ConfigurationPage implements Page {
     render(html`<div class="tabs"><h1>${t('configuration.title')}</h1>
         <label>${t('configuration.bridge')} <select @change=${change}>${bridges.map((name) => html`<option value=${name} ?selected=${name === this.bridge}>${name}</option>`)}</select></label>
         <nav aria-label=${t('configuration.title')}>${tab(t('configuration.edit'), [], !versions)} ${tab(t('configuration.versions'), ['versions'], !!versions)}</nav></div>
-      ${!context.mayEngineer() ? empty(t('configuration.role')) : !draft ? empty(this.fault || t(this.bridge ? 'loading' : 'configuration.none')) : html`${this.watchPanel()}
+      ${!context.mayEngineer() ? empty(t('configuration.role')) : !draft ? empty(this.fault || t(this.bridge ? 'loading' : 'configuration.none')) : html`${this.watching.view()}
         ${versions ? versions.view(draft.base.version) : this.editPart(draft)}`}`, this.element);
-  }
-
-  private watchPanel(): TemplateResult {
-    const { watch } = this;
-    if (!watch) return html`${nothing}`;
-    const left_s = Math.max(0, Math.ceil((watch.until_ms - this.context.now()) / 1000)), { version } = watch;
-    if (watch.state !== 'watching') return html`<section class="card watch" role="status">${t('configuration.ended', { version, state: word('version', watch.state) })}</section>`;
-    const bad = this.badChannels();
-    return html`<section class="card watch" role="status" aria-live="off"><p>${t('configuration.watch', { version, s: left_s })}
-        <b class=${bad > this.badBefore ? 'bad' : ''}>${t('configuration.bad-now', { n: bad, before: this.badBefore })}</b></p>
-      <button type="button" class="primary" @click=${() => void this.finish(() => api.confirm(this.bridge, version))}>${t('configuration.keep')}</button>
-      <button type="button" class="danger" @click=${() => void this.finish(() => api.rollBack(this.bridge, version, t('configuration.roll-back-why')))}>${t('configuration.roll-back')}</button></section>`;
   }
 
   private editPart(draft: Draft): TemplateResult {
     const { checked } = this, faults = checked?.faults.length ?? 0;
-    const may = draft.changed && !!checked && !this.checking && !faults && !this.lines.lost.length && this.watch?.state !== 'watching';
+    const may = draft.changed && !!checked && !this.checking && !faults && !this.lines.lost.length && !this.watching.running;
     return html`<div class="tools">
         <button type="button" ?disabled=${!nodeAt(this.tree, ['buses'])?.children.length} @click=${() => this.startAdding()}>${t('configuration.add-device')}</button>
         <button type="button" class="plain" ?disabled=${!draft.mayUndo} @click=${() => this.step('undo')}>${t('configuration.undo')}</button>
         <button type="button" class="plain" ?disabled=${!draft.mayRedo} @click=${() => this.step('redo')}>${t('configuration.redo')}</button>
         <button type="button" class="plain" ?disabled=${!draft.changed} @click=${() => void this.discard()}>${t('configuration.discard')}</button>
-        <button type="button" class="plain" @click=${() => save(this.fileName || 'bridge.yaml', draft.text, 'application/yaml')}>${t('configuration.download')}</button>
+        <button type="button" class="plain" @click=${() => save(this.fileName || 'bridge.yaml', draft.written, 'application/yaml')}>${t('configuration.download')}</button>
         <span class="space"></span>
         <span class="muted">${draft.changed ? t('configuration.changed', countChanges(draft.base.text, draft.text)) : t('configuration.unchanged', { version: draft.base.version })}</span>
         <button type="button" class="primary" ?disabled=${!may} @click=${() => void this.deploy()}>${t('configuration.deploy')}</button></div>
       <div class="edit-pair">${this.editor.element}
         <section class="card side" data-scroll tabindex="0" role="region" aria-label=${t('configuration.object')}>${this.adding?.view() ?? this.formPart(draft)}</section></div>
-      ${this.faultPart()}
+      ${faultList({ trouble: this.fault, checking: !!this.checking || !checked, faults: checked?.faults ?? [], lost: this.lines.lost,
+        inText: (fault) => this.inText(fault), show: ({ line, column }) => this.editor.selectPlace(line, column), undo: () => this.step('undo') })}
       <section><h2>${t('configuration.plan')}</h2>${planView(checked)}</section>
       ${draft.base.files.length ? html`<section><h2>${t('configuration.files')}</h2>${draft.base.files.map(({ name, text }) =>
         html`<details><summary>${name}</summary><pre class="file" data-scroll tabindex="0" role="region" aria-label=${name}>${text}</pre></details>`)}</section>` : nothing}`;
@@ -345,29 +329,17 @@ export class ConfigurationPage implements Page {
       cancel: () => {
         this.adding = undefined;
         this.draw();
+        this.focus('.tools button');
       },
     }, bus);
     this.draw();
-    this.element.querySelector<HTMLElement>('.add-device select')?.focus();
-  }
-
-  private faultPart(): TemplateResult {
-    const { checked, lines } = this, faults = checked?.faults ?? [];
-    const told = this.fault || (this.checking || !checked ? t('configuration.checking') :
-      faults.length === 0 ? t('configuration.no-faults') : faults.length === 1 ? t('configuration.fault') : t('configuration.faults', { n: faults.length }));
-    return html`<section class="faults"><p role="status">${badge(this.fault || faults.length ? 'bad' : this.checking ? 'unknown' : 'good', told)}</p>
-      ${lines.lost.length ? html`<p class="bad">▲ ${lines.lost.map(({ line, why }) => t('configuration.protected', { line, why })).join(' ')}
-        <button type="button" @click=${() => this.step('undo')}>${t('configuration.undo')}</button></p>` : nothing}
-      ${faults.length ? html`<ul>${faults.slice(0, 100).map(({ file, line, column, message, hint }) => {
-        const place = `${file}:${line}:${column}`, told = html`<code>${place}</code> ${message} <span class="muted">${hint}</span>`;
-        return html`<li>${this.ofText(file) ? html`<button type="button" class="plain" @click=${() => this.editor.selectPlace(line, column)}>${told}</button>` : told}</li>`;
-      })}</ul>` : nothing}</section>`;
+    this.focus('.add-device select');
   }
 
   private formPart(draft: Draft): TemplateResult {
     const { chosen } = this, level = chosen.length / 2, name = nameOf(this.tree, chosen);
     const form: Form = {
-      root: this.schema, schema: schemaAt(this.schema, chosen), text: draft.text, tree: this.tree, path: chosen, faults: this.faultsByKey(draft.text), kept: this.lines.kept,
+      root: this.schema, schema: schemaAt(this.schema, chosen), text: draft.text, tree: this.tree, path: chosen, faults: faultsByKey(this.faults(), draft.text, this.tree), kept: this.lines.kept,
       set: (path, value, field) => this.edit((text) => (value === '' ? removeAt(text, path) :
         field.kind === 'yaml' ? setAt(text, path, value) : setScalar(text, path, value, field.bare))),
       show: (child) => this.editor.select(child.start, child.end, true),
@@ -379,15 +351,5 @@ export class ConfigurationPage implements Page {
         ${level === 2 && !nodeAt(this.tree, [...chosen, 'channels', 0]) && nodeAt(this.tree, [...chosen, 'channels'])?.kind === 'scalar' ? nothing : level >= 2 ? html`
           <button type="button" @click=${() => this.addObject([...chosen.slice(0, 4), 'channels'], 'channel', 'at: "holding:0", type: uint16')}>${t('configuration.add-channel')}</button>` : nothing}
         ${level ? html`<button type="button" class="danger" @click=${() => void this.remove()}>${t('configuration.remove', { name })}</button>` : nothing}</div>`;
-  }
-
-  private faultsByKey(text: string): Map<string, string> {
-    const lines = text.split('\n'), found = new Map<string, string>();
-    for (const { file, line, column, message, hint } of this.checked?.faults ?? []) {
-      if (!this.ofText(file)) continue;
-      const offset = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0) + Math.max(0, column - 1);
-      found.set(keyOf(pathAt(text, this.tree, offset)), [message, hint].filter(Boolean).join(' '));
-    }
-    return found;
   }
 }

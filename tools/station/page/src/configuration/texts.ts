@@ -16,6 +16,7 @@ export const texts = {
   'configuration.in-text': ['In the text, line {line}', '见文本第 {line} 行'], 'configuration.cannot': ['This cannot be changed here: {why}', '此处无法修改：{why}'],
   'configuration.protected': ['Line {line} must not be changed here: {why}', '第 {line} 行不能在此修改：{why}'],
   'configuration.protected-line': ['This line is left alone: {why}', '此行保持不变：{why}'],
+  'configuration.hidden': ['This line has characters that are not visible:', '此行含有不可见字符：'],
   'configuration.checking': ['Checking …', '正在检查…'], 'configuration.no-faults': ['No faults', '无错误'], 'configuration.faults': ['{n} faults', '{n} 个错误'],
   'configuration.fault': ['1 fault', '1 个错误'], 'configuration.changed': ['{added} lines added, {removed} removed', '新增 {added} 行，删除 {removed} 行'],
   'configuration.unchanged': ['As deployed (version {version})', '与已部署一致（版本 {version}）'],
