@@ -94,7 +94,7 @@ test('a new meter from its template to the confirmed deployment: at most 12 clic
   assert.equal(mock.configuration.text, firstText);  // nothing was saved
   assert.deepEqual(mock.configuration.probed, [{ bridge: 'north', bus: 'press-shop', device: '{ name: carlo-gavazzi-em24, address: 2, template: carlo-gavazzi-em24 }' }]);
   await button(page, 'Add to the draft').click();
-  await says(page, '.plan-draft', /press-shop\s*45 %\s*press-shop\/device-01\/energy: 940 ms, asked for 1 s\s*90 %/);
+  await says(page, '.plan-draft', /press-shop\s*45 %\s*device-01\/energy: 940 ms, asked for 1 s\s*90 %/);
   await until(() => button(page, 'Deploy …').isEnabled(), 'the draft may be deployed');
   await button(page, 'Deploy …').click();
   await page.keyboard.type('meter of the new hall');
@@ -285,6 +285,10 @@ test('versions tell who and why, show their changes, are downloaded and returned
   const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download version 1' }).click()]);
   assert.equal(file.suggestedFilename(), 'north-1.yaml');
   assert.equal(readFileSync(await file.path(), 'utf8'), firstText);
+  const [all] = await Promise.all([page.waitForEvent('download'), button(page, 'Download all').click()]);
+  assert.equal(all.suggestedFilename(), 'north.tar');
+  const archive = readFileSync(await all.path(), 'utf8');
+  for (const part of ['north/north.yaml', 'north/press-3.csv', 'north/versions/1.yaml', 'north/versions/2.yaml', 'otto,kelvin,confirmed']) assert.ok(archive.includes(part), part);
   await page.getByRole('button', { name: 'Return to version 1' }).click();
   await page.keyboard.type('as it was');
   await page.keyboard.press('Enter');

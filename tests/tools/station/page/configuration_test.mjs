@@ -3,6 +3,7 @@
 //   node configuration_test.mjs PAGE_FOLDER NODE_MODULES
 
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import test from 'node:test';
@@ -10,8 +11,8 @@ import { loadModules } from './load_modules.mjs';
 import { firstText } from './mock_configuration.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
-const { yaml_tree, yaml_edit, line_diff, schema, completion, draft, new_device, outline, plan_rows } = await loadModules(folder, modules,
-  ['yaml_tree', 'yaml_edit', 'line_diff', 'schema', 'completion', 'draft', 'new_device', 'outline', 'plan_rows'].map((name) => `configuration/${name}`));
+const { yaml_tree, yaml_edit, line_diff, schema, completion, draft, new_device, outline, plan_rows, tar } = await loadModules(folder, modules,
+  ['yaml_tree', 'yaml_edit', 'line_diff', 'schema', 'completion', 'draft', 'new_device', 'outline', 'plan_rows', 'tar'].map((name) => `configuration/${name}`));
 const config = join(folder, '../../../config');
 const keys = JSON.parse(readFileSync(join(config, 'fieldcast.schema.json'), 'utf8'));
 const valueAt = (text, ...path) => yaml_tree.valueAt(yaml_tree.parseTree(text), path);
@@ -239,4 +240,13 @@ test('a file with CR LF is edited without CR and written back with it', () => {
   assert.equal(made.changed, false);
   made.set('a: 1\nb: 3\n');
   assert.equal(made.written, 'a: 1\r\nb: 3\r\n');
+});
+
+test('tar reads the archive of all versions', () => {
+  const files = [{ name: 'north/north.yaml', text: firstText, at_ms: 1.7e12 }, { name: 'north/versions/1.yaml', text: '', at_ms: 1.6e12 }, { name: 'north/温度.csv', text: 'x'.repeat(512), at_ms: 0 }];
+  const archive = Buffer.concat(tar.tarOf(files));
+  const run = (...options) => execFileSync('tar', [...options, '--quoting-style=literal'], { input: archive, encoding: 'utf8', env: { ...process.env, TZ: 'UTC', LC_ALL: 'C.UTF-8' } });
+  assert.deepEqual(run('-t').trim().split('\n'), files.map(({ name }) => name));
+  assert.match(run('-tv'), /2023-11-14 22:13 north\/north\.yaml/);
+  for (const { name, text } of files) assert.equal(run('-xO', name), text);
 });

@@ -19,8 +19,8 @@ export const csvTime = (ms: number | null): string => (ms === null ? '' : new Da
 // Starts a browser download of a table. The byte order mark at the start makes spreadsheets read UTF-8.
 export const download = (name: string, text: string): void => save(name, `\uFEFF${text}`, 'text/csv;charset=utf-8');
 
-export function save(name: string, text: string, type: string): void {
-  const address = URL.createObjectURL(new Blob([text], { type }));
+export function save(name: string, content: string | readonly Uint8Array[], type: string): void {
+  const address = URL.createObjectURL(new Blob(typeof content === 'string' ? [content] : [...content] as BlobPart[], { type }));
   const anchor = document.createElement('a');
   anchor.href = address;
   anchor.download = name;

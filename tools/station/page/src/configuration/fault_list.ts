@@ -12,7 +12,7 @@ import type { Node } from './yaml_tree';
 
 const mostFaults = 100;
 
-export const toldOf = ({ message, hint }: Fault): string => [message, hint].filter(Boolean).join(' ');
+export const toldOf = ({ message, hint }: Fault): string => [message, hint].filter(Boolean).join('; ');
 
 export function faultsByKey(faults: readonly Fault[], text: string, tree: Node | undefined): Map<string, string> {
   const found = new Map<string, string>();

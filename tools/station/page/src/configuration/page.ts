@@ -298,7 +298,7 @@ export class ConfigurationPage implements Page {
         <label>${t('configuration.bridge')} <select @change=${change}>${bridges.map((name) => html`<option value=${name} ?selected=${name === this.bridge}>${name}</option>`)}</select></label>
         <nav aria-label=${t('configuration.title')}>${tab(t('configuration.edit'), [], !versions)} ${tab(t('configuration.versions'), ['versions'], !!versions)}</nav></div>
       ${!context.mayEngineer() ? empty(t('configuration.role')) : !draft ? empty(this.fault || t(this.bridge ? 'loading' : 'configuration.none')) : html`${this.watching.view()}
-        ${versions ? versions.view(draft.base.version) : this.editPart(draft)}`}`, this.element);
+        ${versions ? versions.view(draft.base) : this.editPart(draft)}`}`, this.element);
   }
 
   private editPart(draft: Draft): TemplateResult {

@@ -16,7 +16,7 @@ function planCell(plan: BusPlan | undefined, label: string): TemplateResult {
   const worst = worstOf(plan);
   const tone = plan.load > 1 ? 'bad' : plan.load > 0.85 ? 'warn' : '';
   return html`<td class=${`number ${tone}`}>${percent(plan.load)}</td>
-    <td>${worst ? t('configuration.gap-of', { channel: worst.channel, gap: duration(worst.gap_ms), refresh: duration(worst.refresh_ms) }) : '–'}</td>`;
+    <td>${worst ? t('configuration.gap-of', { channel: worst.channel.slice(worst.channel.indexOf('/') + 1), gap: duration(worst.gap_ms), refresh: duration(worst.refresh_ms) }) : '–'}</td>`;
 }
 
 function verdict(plan: BusPlan): TemplateResult {

@@ -2,15 +2,16 @@
 
 import { nothing } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
-import { save } from '../csv';
+import { csvText, csvTime, save } from '../csv';
 import { time } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { empty, errorText } from '../view';
 import * as api from './api';
-import type { Version } from './api';
+import type { Configuration, Version } from './api';
 import { askReturn } from './deploy';
 import { diffView } from './diff_view';
+import { tarOf } from './tar';
 
 const columns = ['configuration.version', 'configuration.when', 'configuration.who', 'configuration.why', 'configuration.state'] as const;
 
@@ -58,6 +59,17 @@ export class Versions {
   private readonly download = (version: number): Promise<void> => this.run(async () =>
     save(`${this.host.bridge}-${version}.yaml`, await api.versionText(this.host.bridge, version), 'application/yaml'));
 
+  // An archive of what is in force, every kept version, and who deployed it and why.
+  private readonly downloadAll = ({ bridge, path, text, files, version }: Configuration): Promise<void> => this.run(async () => {
+    const list = this.list!, at_ms = list.find((each) => each.version === version)?.at_ms ?? this.host.now();
+    const former = [];
+    for (const each of list) former.push({ name: `${bridge}/versions/${each.version}.yaml`, text: await api.versionText(bridge, each.version), at_ms: each.at_ms });
+    const rows = list.map((each) => [each.version, csvTime(each.at_ms), each.who, each.why, each.state]);
+    save(`${bridge}.tar`, tarOf([
+      { name: `${bridge}/${path.split('/').pop()}`, text, at_ms }, ...files.map((file) => ({ name: `${bridge}/${file.name}`, text: file.text, at_ms })), ...former,
+      { name: `${bridge}/versions.csv`, text: csvText(['version', 'time', 'who', 'why', 'state'], rows), at_ms: this.host.now() }]), 'application/x-tar');
+  });
+
   private readonly goBack = (version: number): Promise<void> => this.run(async () => {
     const why = await askReturn(version);
     if (why === undefined) return;
@@ -66,11 +78,13 @@ export class Versions {
     await this.load();
   });
 
-  view(current: number): TemplateResult {
+  view(configuration: Configuration): TemplateResult {
+    const current = configuration.version;
     if (!this.list) return empty(this.fault || t('loading'));
     if (!this.list.length) return empty(t('configuration.no-versions'));
     const { shown } = this;
-    return html`<div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('configuration.versions')}><table class="plain versions">
+    return html`<div class="tools"><button type="button" @click=${() => void this.downloadAll(configuration)}>${t('configuration.download-all')}</button></div>
+      <div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('configuration.versions')}><table class="plain versions">
       <thead><tr>${columns.map((name) => html`<th scope="col">${t(name)}</th>`)}<td></td></tr></thead>
       <tbody>${this.list.map(({ version, at_ms, who, why, state }) => html`<tr>
         <th scope="row">${version}</th><td>${time(at_ms, this.host.now())}</td><td>${who}</td><td>${why}</td>
