@@ -88,6 +88,7 @@ test('a new meter from its template to the confirmed deployment: at most 12 clic
   await page.keyboard.type('gavazzi em24');
   await page.locator('.picks button', { hasText: /carlo-gavazzi-em24(?!-)/ }).click();
   assert.equal(await page.getByLabel('Address').inputValue(), '2');
+  assert.match(await page.textContent('.add-device pre'), /voltage-l1/);
   await button(page, 'Read first values').click();
   await says(page, '.add-device table', /voltage-l1\s*231\.4/);
   await says(page, '.add-device table', /current-l1\s*–\s*▲no response within 500 ms/);

@@ -173,6 +173,13 @@ test('forms are made from the schema: a new key appears by itself', () => {
   assert.deepEqual(fields(more, 'buses', 0, 'devices', 0, 'channels', 0).find(({ key }) => key === 'digits').kind, 'number');
 });
 
+test('known templates are proposed, other names stay possible', () => {
+  const root = schema.withTemplates(keys, ['carlo-gavazzi-em24']);
+  const field = schema.fieldsOf(root, schema.schemaAt(root, ['buses', 0, 'devices', 0])).find(({ key }) => key === 'template');
+  assert.deepEqual([field.kind, field.choices], ['text', ['carlo-gavazzi-em24']]);
+  assert.deepEqual(schema.valuesAt(root, ['buses', 0, 'devices', 0, 'template']).map(({ text }) => text), ['carlo-gavazzi-em24']);
+});
+
 test('the cursor has proposals: free keys of its map, or the values of its key', () => {
   const at = (text) => completion.complete(text.replace('|', ''), text.indexOf('|'), keys);
   const names = (text) => at(text)?.proposals.map((each) => each.text);

@@ -142,7 +142,7 @@ export class AddDevice {
   }
 
   private templateList(): TemplateResult {
-    const all = this.templates ?? [], found = matching(all, this.search, this.protocol);
+    const all = this.templates ?? [], found = matching(all, this.search, this.protocol), chosen = all.find(({ name }) => name === this.template);
     const type = (event: Event): void => {
       this.search = (event.target as HTMLInputElement).value;
       this.host.draw();
@@ -153,6 +153,8 @@ export class AddDevice {
         <button type="button" aria-pressed=${each.name === this.template} @click=${() => this.chooseTemplate(each.name)}><b>${each.maker} ${each.model}</b>
           <span class="muted">${each.name}</span>
           ${speaks(each, this.protocol) ? nothing : html`<span class="warn">${t('configuration.other-protocol', { protocol: each.protocol })}</span>`}</button></li>`)}</ul>
+      ${chosen?.text ? html`<details><summary>${t('configuration.template-text')}</summary><pre class="file" data-scroll tabindex="0" role="region"
+        aria-label=${t('configuration.template-text')}>${chosen.text}</pre></details>` : nothing}
       ${this.templates && !found.length ? html`<p>${t('configuration.no-template')}</p>` : nothing}`;
   }
 

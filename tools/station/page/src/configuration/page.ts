@@ -26,7 +26,7 @@ import { countChanges } from './line_diff';
 import type { ImportedDevice } from './new_device';
 import { freeName, nameOf, namesAt, objectOf, outline } from './outline';
 import { planView } from './plan_view';
-import { schemaAt } from './schema';
+import { schemaAt, withTemplates } from './schema';
 import type { Schema } from './schema';
 import { texts } from './texts';
 import { Versions } from './versions';
@@ -102,6 +102,7 @@ export class ConfigurationPage implements Page {
       const [schema, read] = await Promise.all([api.readSchema(), api.read(this.bridge)]);
       this.schema = schema as Schema;
       this.adopt(read, fresh);
+      this.schema = withTemplates(this.schema, (await api.readTemplates()).map(({ name }) => name));
     } catch (error) {
       this.fault = errorText(error);
     }

@@ -90,6 +90,14 @@ export function fieldsOf(root: Schema, schema: Schema | undefined): Field[] {
   });
 }
 
+// Proposes the names of the known templates for the key `template`; other names stay allowed.
+export function withTemplates(root: Schema, names: readonly string[]): Schema {
+  const device = root.$defs?.['device'], template = device?.properties?.['template'];
+  if (!template) return root;
+  const { $ref, ...own } = template, proposed: Schema = { ...own, anyOf: [{ enum: [...names] }, $ref ? { $ref } : {}] };
+  return { ...root, $defs: { ...root.$defs, device: { ...device, properties: { ...device.properties, template: proposed } } } };
+}
+
 // Returns what may be written at a place: the keys of a map that are still free, or the choices of a value.
 export interface Proposal {
   text: string;

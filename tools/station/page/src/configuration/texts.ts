@@ -56,6 +56,7 @@ export const texts = {
   'configuration.by-template': ['Template', '模板'], 'configuration.by-file': ['File', '文件'], 'configuration.by-scan': ['Scan', '扫描'],
   'configuration.search': ['Maker or model', '厂商或型号'], 'configuration.templates': ['Templates', '模板'], 'configuration.no-template': ['No template fits.', '没有符合的模板。'],
   'configuration.templates-shown': ['{n} of {all} templates', '{all} 个模板中的 {n} 个'],
+  'configuration.template-text': ['Text of the template', '模板文本'],
   'configuration.other-protocol': ['not on this bus: {protocol}', '不适用于此总线：{protocol}'],
   'configuration.name': ['Name', '名称'], 'configuration.address': ['Address', '地址'],
   'configuration.add': ['Add to the draft', '加入草稿'], 'configuration.probe': ['Read first values', '读取首批数值'], 'configuration.probing': ['Reading …', '正在读取…'],
