@@ -3,14 +3,15 @@
 //   node build.mjs MODULES OUTPUT.cpp [FOLDER]
 //
 // MODULES: the node_modules of `npm ci`. FOLDER: also receives the files, for tests without the program. OUTPUT.cpp.d
-// lists every source for the build.
+// lists every source for the build. A module that is imported by import() becomes a script of its own, loaded when it is needed.
 
 import { createHash } from 'node:crypto';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { dirname, join, resolve } from 'node:path';
+import { basename, dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
+import { partsOfPackages } from './packages.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const [modules, output, folder] = process.argv.slice(2).map((path) => resolve(path));
@@ -21,6 +22,9 @@ async function bundle() {
   const result = await build({
     entryPoints: [join(here, 'src/main.ts')],
     entryNames: 'app',
+    chunkNames: '[name]-[hash]',
+    splitting: true,
+    alias: partsOfPackages(modules),
     outdir: join(here, 'out'),
     bundle: true,
     minify: true,
@@ -32,17 +36,24 @@ async function bundle() {
     metafile: true,
     logLevel: 'warning',
   });
-  const made = (end) => Buffer.from(result.outputFiles.find((file) => file.path.endsWith(end)).contents);
-  return { script: made('.js'), style: made('.css'), inputs: Object.keys(result.metafile.inputs).map((path) => resolve(path)) };
+  const { inputs, outputs } = result.metafile;
+  const app = Object.keys(outputs).find((path) => basename(path) === 'app.js');
+  return {
+    made: result.outputFiles.map(({ path, contents }) => ({ name: basename(path), bytes: Buffer.from(contents) })),
+    early: outputs[app].imports.filter(({ kind }) => kind === 'import-statement').map(({ path }) => basename(path)),
+    inputs: Object.keys(inputs).map((path) => resolve(path)),
+  };
 }
 
-const { script, style, inputs } = await bundle();
+const { made, early, inputs } = await bundle();
 const own = (name) => readFileSync(join(here, name));
 const html = 'text/html; charset=utf-8';
+const typeOf = (name) => (name.endsWith('.js') ? 'text/javascript; charset=utf-8' : 'text/css; charset=utf-8');
+// The scripts that app.js imports load at the same time as app.js.
+const preload = early.map((name) => `    <link rel="modulepreload" href="/${name}">\n`).join('');
 const files = [
-  ['/', html, own('index.html')],
-  ['/app.js', 'text/javascript; charset=utf-8', script],
-  ['/app.css', 'text/css; charset=utf-8', style],
+  ['/', html, Buffer.from(own('index.html').toString().replace(/(?= *<script)/, preload))],
+  ...made.map(({ name, bytes }) => [`/${name}`, typeOf(name), bytes]),
   ['/icon.svg', 'image/svg+xml', own('icon.svg')],
   ['/manifest', 'application/manifest+json', own('manifest.json')],
 ].map(([path, type, bytes]) => ({
@@ -88,6 +99,8 @@ writeFileSync(`${output}.d`, `${output}: ${inputs.map((path) => path.replaceAll(
 
 if (folder) {
   mkdirSync(folder, { recursive: true });
+  for (const old of readdirSync(folder)) rmSync(join(folder, old));
   for (const file of files) writeFileSync(join(folder, file.path === '/' ? 'index.html' : file.path.slice(1)), file.bytes);
 }
 console.log(`page: ${(total / 1000).toFixed(1)} kB compressed`);
+for (const { path, gzip } of files) console.log(`  ${path} ${(gzip.length / 1000).toFixed(1)} kB`);

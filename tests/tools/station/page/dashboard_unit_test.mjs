@@ -3,30 +3,17 @@
 //   node dashboard_unit_test.mjs PAGE_FOLDER NODE_MODULES
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
+import { readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import test from 'node:test';
+import { loadModules } from './load_modules.mjs';
 import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-// The page's modules ask for these when they are loaded.
-globalThis.document = { createTreeWalker: () => ({}) };
-globalThis.MessageChannel = class { port1 = {}; port2 = {}; };
-globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'en' : null), setItem: () => {} };
-
-const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const paths = { document: 'dashboard/document', grid: 'dashboard/grid', reading: 'dashboard/reading', form: 'dashboard/property_form', kiosk: 'kiosk', router: 'router',
-  plant: 'plant', i18n: 'i18n', pages: 'pages', widgets: 'dashboard/widgets', lamp: 'dashboard/widgets/lamp', gauge: 'dashboard/widgets/gauge' };
-const made = mkdtempSync(join(tmpdir(), 'fieldcast-dashboard-'));
-buildSync({
-  stdin: { contents: Object.entries(paths).map(([name, path]) => `export * as ${name} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
-  bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
-});
-const { document: documents, grid, reading, form, kiosk, router, plant, i18n, pages, widgets, lamp, gauge } = await import(join(made, 'page.mjs'));
-rmSync(made, { recursive: true });
+const { document: documents, grid, reading, property_form: form, kiosk, router, plant, i18n, pages, widgets, lamp, gauge } = await loadModules(folder, modules, [
+  'dashboard/document', 'dashboard/grid', 'dashboard/reading', 'dashboard/property_form', 'kiosk', 'router', 'plant', 'i18n', 'pages', 'dashboard/widgets',
+  'dashboard/widgets/lamp', 'dashboard/widgets/gauge']);
 
 const format = JSON.parse(readFileSync(join(folder, '../dashboard/dashboard_format.json'), 'utf8'));
 const makePlant = (channels) => {

@@ -2,29 +2,30 @@
 // alone.
 //
 //   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
-//     [--login] [--quiet]
+//     [--login] [--role ROLE] [--quiet]
 //
-// FOLDER: the built page (build/station-page/files). --login: users anna (operator), vera (viewer)
-// and erik (engineer), password `secret secret`.
+// FOLDER: the built page (build/station-page/files). --login: users anna (operator), erik and erna (engineers)
+// and vera (viewer), password `secret secret`. --role: the role of everybody without a login.
 
 import { createServer } from 'node:http';
 import { randomBytes } from 'node:crypto';
-import { readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { mockDashboards } from './mock_dashboards.mjs';
+import { MockConfiguration } from './mock_configuration.mjs';
 
 const contentTypes = {
-  '/': ['index.html', 'text/html; charset=utf-8'], '/embed': ['index.html', 'text/html; charset=utf-8'],
-  '/app.js': ['app.js', 'text/javascript; charset=utf-8'], '/app.css': ['app.css', 'text/css; charset=utf-8'],
-  '/icon.svg': ['icon.svg', 'image/svg+xml'], '/manifest': ['manifest', 'application/manifest+json'],
+  html: 'text/html; charset=utf-8', js: 'text/javascript; charset=utf-8', css: 'text/css; charset=utf-8', svg: 'image/svg+xml', manifest: 'application/manifest+json',
 };
+// Name of the page's file with this address.
+const fileOf = (path) => (path === '/' || path === '/embed' ? 'index.html' : /^\/[\w.-]+$/.test(path) ? path.slice(1) : '');
 const contentSecurity = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
   "font-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; " +
   "require-trusted-types-for 'script'; trusted-types lit-html";
-const users = { anna: 'operator', vera: 'viewer', erik: 'engineer' };
+const users = { anna: 'operator', erik: 'engineer', erna: 'engineer', vera: 'viewer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
@@ -178,14 +179,14 @@ function planOf(bus, load = 0.46) {
 
 // Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
 // true, new sockets are rejected.
-export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20, role = 'operator' }) {
+export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, role = 'operator', slices = 20 }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
   const plant = new InventedPlant(channels);
   const logins = new Map();  // cookie: user
   const cached = new Map();
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
   const clients = new Set();
-  const mock = { plant, planLoad: 0.46, refuse: false, silent: false, writes: [] };
+  const mock = { plant, configuration: new MockConfiguration(), planLoad: 0.46, refuse: false, silent: false, writes: [] };
   const dashboards = mock.dashboards = mockDashboards();
   let nextRequest = 100;
 
@@ -194,6 +195,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     const cookie = /fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1];
     return logins.get(cookie);
   };
+  const mayOperate = ({ role: of }) => of === 'operator' || of === 'engineer';
   const tell = (message) => { for (const client of clients) client.send(JSON.stringify(message)); };
   const tellResult = (request_id, more = {}) => setTimeout(() => tell({ kind: 'result', request_id, state: 'done', cause: 'NONE', reason: '', value: null, completed_ms: Date.now(), ...more }), 30);
   const findAlarm = (key) => plant.alarms.find((each) => ['bus', 'device', 'channel', 'limit'].every((name) => each[name] === key[name]));
@@ -264,10 +266,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       response.writeHead(status, { ...headers, 'content-type': 'application/json', ...more });
       response.end(status === 204 ? undefined : JSON.stringify(body));
     };
-    const file = contentTypes[url.pathname];
-    if (file) {
-      if (!cached.has(url.pathname)) cached.set(url.pathname, gzipSync(readFileSync(join(files, file[0]))));
-      response.writeHead(200, { ...headers, 'content-type': file[1], 'content-encoding': 'gzip' });
+    const file = fileOf(url.pathname);
+    if (file && existsSync(join(files, file))) {
+      if (!cached.has(url.pathname)) cached.set(url.pathname, gzipSync(readFileSync(join(files, file))));
+      response.writeHead(200, { ...headers, 'content-type': contentTypes[file.split('.').pop()], 'content-encoding': 'gzip' });
       return response.end(cached.get(url.pathname));
     }
     let text = '';
@@ -289,9 +291,14 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       logins.delete(/fieldcast=(\w+)/.exec(request.headers.cookie ?? '')?.[1]);
       return json(204);
     }
-    if (request.method === 'POST' && post[url.pathname]) return me.role !== 'viewer' ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
+    if (request.method === 'POST' && post[url.pathname]) return mayOperate(me) ? json(...post[url.pathname](me, body)) : json(403, { error: 'the role operator is needed', hint: '' });
     if (request.method === 'POST' && dashboards.post[url.pathname])
       return me.role === 'engineer' ? json(...dashboards.post[url.pathname](me, body)) : json(403, { error: 'not allowed', hint: 'your role may not do this' });
+    if (url.pathname.startsWith('/api/configuration')) {
+      if (me.role !== 'engineer') return json(403, { error: 'the role engineer is needed', hint: '' });
+      const answer = request.method === 'GET' ? mock.configuration.get(url) : mock.configuration.post(url.pathname, body, me.user);
+      return json(...(answer ?? [404, { error: 'no such resource', hint: '' }]));
+    }
     const found = request.method === 'GET' && get[url.pathname]?.(url);
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
@@ -315,7 +322,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
         const message = JSON.parse(data);
         const answer = (reply) => send({ id: message.id, ...reply });
         if (message.ping !== undefined && !mock.silent) send({ kind: 'pong', id: message.ping });
-        else if (message.write && me.role === 'viewer') answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
+        else if (message.write && !mayOperate(me)) answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
         else if (message.write) write(me.user, message.write, answer);
         else if (message.acquire) setTimeout(() => answer({ kind: 'result', request_id: nextRequest++, state: 'done', cause: 'NONE', reason: '', value: 1, completed_ms: Date.now() }), 20);
         else if (message.subscribe === '*') {

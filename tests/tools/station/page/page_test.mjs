@@ -3,30 +3,17 @@
 //   node page_test.mjs PAGE_FOLDER NODE_MODULES
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
+import { readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import test from 'node:test';
+import { loadModules } from './load_modules.mjs';
 import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-// The page's modules ask for these when they are loaded.
-globalThis.document = { createTreeWalker: () => ({}) };
-globalThis.MessageChannel = class { port1 = {}; port2 = {}; };
-globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'en' : null), setItem: () => {} };
-
-// Bundles the modules together, so that they share state as in the page.
-const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
-const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
-buildSync({
-  stdin: { contents: [...names, 'texts/common', 'texts/causes'].map((path) => `export * as ${path.split('/').pop()} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
-  bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
-});
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
-rmSync(made, { recursive: true });
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes, texts: configurationTexts } =
+  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture',
+    'device_health', 'port_command', 'printable', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
 const sample = (id, value, more = {}) => ({ id, value, text: null, acquired_ms: Date.now() - 40, quality: 0, ...more });
@@ -312,7 +299,7 @@ test('every text is there in both languages, and every key that is asked for exi
   const files = (path) => readdirSync(path, { withFileTypes: true }).flatMap((entry) =>
     entry.isDirectory() ? files(join(path, entry.name)) : [join(path, entry.name)]);
   const all = new Set();
-  for (const texts of [common.texts, causes.texts, ...pages.pages.map(({ module }) => module.texts)]) {
+  for (const texts of [common.texts, causes.texts, configurationTexts.texts, ...pages.pages.map(({ module }) => module.texts)]) {
     assert.ok(Object.keys(texts).length > 0);
     for (const [key, languages] of Object.entries(texts)) {
       assert.deepEqual(languages.map((text) => typeof text === 'string' && text !== ''), [true, true], key);

@@ -1,7 +1,7 @@
 // HTTP requests to the station: JSON in and out, errors with the station's hint.
 
 export class ApiError extends Error {
-  constructor(readonly status: number, message: string, readonly hint: string, readonly retryAfter_s = 0) {
+  constructor(readonly status: number, message: string, readonly hint: string, readonly retryAfter_s = 0, readonly answer: unknown = undefined) {
     super(message);
   }
 }
@@ -32,7 +32,7 @@ export async function request<T>(path: string, body?: unknown, signal?: AbortSig
   }
   if (!response.ok) {
     const told = (answer ?? {}) as { error?: string; hint?: string };
-    throw new ApiError(response.status, told.error ?? response.statusText, told.hint ?? '', Number(response.headers.get('retry-after')) || 0);
+    throw new ApiError(response.status, told.error ?? response.statusText, told.hint ?? '', Number(response.headers.get('retry-after')) || 0, answer);
   }
   return answer as T;
 }

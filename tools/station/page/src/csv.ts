@@ -16,9 +16,11 @@ export const csvText = (head: readonly string[], rows: readonly (readonly Cell[]
 // ISO 8601 with milliseconds, in UTC; empty for null.
 export const csvTime = (ms: number | null): string => (ms === null ? '' : new Date(ms).toISOString());
 
-// Starts a browser download. The byte order mark at the start makes spreadsheets read UTF-8.
-export function download(name: string, text: string): void {
-  const address = URL.createObjectURL(new Blob(['\uFEFF', text], { type: 'text/csv;charset=utf-8' }));
+// Starts a browser download of a table. The byte order mark at the start makes spreadsheets read UTF-8.
+export const download = (name: string, text: string): void => save(name, `\uFEFF${text}`, 'text/csv;charset=utf-8');
+
+export function save(name: string, content: string | readonly Uint8Array[], type: string): void {
+  const address = URL.createObjectURL(new Blob(typeof content === 'string' ? [content] : [...content] as BlobPart[], { type }));
   const anchor = document.createElement('a');
   anchor.href = address;
   anchor.download = name;

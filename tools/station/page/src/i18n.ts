@@ -1,6 +1,7 @@
 // Texts of the page in English and Chinese: key: [English, Chinese]. Each page has its own; the compiler checks that a key exists, and a
 // test that both languages are there.
 
+import type { texts as configuration } from './configuration/texts';  // of a script that loads later
 import type { PageKey } from './pages';
 import { printable } from './printable';
 import { texts as causes } from './texts/causes';
@@ -9,7 +10,7 @@ import { texts as common } from './texts/common';
 export const languages = { en: 'English', zh: '中文' } as const;
 export type Language = keyof typeof languages;
 export type Texts = Record<string, readonly [en: string, zh: string]>;
-export type Key = keyof typeof common | keyof typeof causes | PageKey;
+export type Key = keyof typeof common | keyof typeof causes | keyof typeof configuration | PageKey;
 
 const table: Texts = { ...common, ...causes };
 export const addTexts = (texts: Texts): void => void Object.assign(table, texts);

@@ -7,6 +7,7 @@ import type { Texts } from './i18n';
 import * as alarms from './pages/alarms';
 import * as audit from './pages/audit';
 import * as channel from './pages/channel';
+import * as configuration from './pages/configuration';
 import * as dashboard from './pages/dashboard';
 import * as dashboards from './pages/dashboards';
 import * as devices from './pages/devices';
@@ -22,6 +23,7 @@ interface Row {
   module: { page: MakePage; texts: Texts };
   key?: string;
   under?: string;
+  engineer?: boolean;  // only engineers have it in the head
 }
 
 const rows = [
@@ -33,6 +35,7 @@ const rows = [
   { name: 'programming', module: programming, key: 'p' },
   { name: 'history', module: history, key: 'h' },
   { name: 'audit', module: audit, key: 'u' },
+  { name: 'configuration', module: configuration, key: 'c', engineer: true },
   { name: 'channel', module: channel, under: 'live' },
   { name: 'dashboard', module: dashboard, under: 'dashboards' },
   { name: 'plan', module: plan, under: 'overview' },

@@ -24,7 +24,7 @@ interface Actions {
   chooseLanguage(language: Language): void;
 }
 
-const places = pages.filter((page) => page.key);
+const places = (me: Me | undefined): typeof pages => pages.filter(({ key, engineer }) => key && (!engineer || me?.role === 'engineer'));
 const titleOf = (name: string): string => t(`${name}.title` as Key);
 const chordWithin_ms = 1500;
 const messageFor_ms = 6000;
@@ -111,7 +111,7 @@ export class Shell {
     const now = performance.now();
     if (now - this.chordAt < chordWithin_ms) {
       this.chordAt = -chordWithin_ms;
-      const place = places.find(({ key }) => key === event.key);
+      const place = places(this.me).find(({ key }) => key === event.key);
       if (place) location.hash = link(place.name);
       return place !== undefined;
     }
@@ -134,7 +134,7 @@ export class Shell {
     const dialog = document.createElement('dialog');
     dialog.setAttribute('aria-labelledby', 'help-title');
     const rows: [string, string][] = [
-      ...places.map(({ key, name }): [string, string] => [`g ${key}`, titleOf(name)]),
+      ...places(this.me).map(({ key, name }): [string, string] => [`g ${key}`, titleOf(name)]),
       ['/', t('keys.filter')], ['↑ ↓', t('keys.rows')], ['Enter', t('keys.open')], ['Esc', t('keys.leave')], ['?', t('keys.help')],
     ];
     render(html`<form method="dialog"><h2 id="help-title">${t('keys.title')}</h2>
@@ -177,7 +177,7 @@ export class Shell {
         ${titleOf(pageOf(this.name)?.under ?? this.name)}${
           alarms ? html` <span class="count">${alarms}</span>` : nothing} ▾</button>
       <div id="menu" class=${this.menuOpen ? 'menu open' : 'menu'}>
-        <nav aria-label=${t('nav.label')}>${places.map(({ name }) => this.navLink(name, name === 'alarms' ? alarms : 0))}</nav>
+        <nav aria-label=${t('nav.label')}>${places(this.me).map(({ name }) => this.navLink(name, name === 'alarms' ? alarms : 0))}</nav>
         ${this.choices()}
         ${this.me.login === 'none' ? nothing : html`<span class="user">${this.me.user}</span>
           <button type="button" class="plain" @click=${() => void this.actions.logout()}>${t('logout')}</button>`}

@@ -1,0 +1,101 @@
+// The requests and messages of /api/configuration. Times are Unix ms.
+
+import { query, request } from '../api';
+
+export interface Protected {
+  line: number;
+  why: string;
+}
+
+export interface Watch {
+  version: number;
+  until_ms: number;
+  state: string;
+}
+
+export interface Configuration {
+  bridge: string;
+  path: string;
+  version: number;
+  text: string;
+  files: { name: string; text: string }[];
+  protected: Protected[];
+  watch: Watch | null;
+}
+
+export interface Template {
+  name: string;
+  maker: string;
+  model: string;
+  protocol: string;
+  text: string;
+}
+
+export interface Fault {
+  file: string;
+  line: number;
+  column: number;
+  message: string;
+  hint: string;
+}
+
+export interface BusPlan {
+  bus: string;
+  load: number;
+  feasible: boolean;
+  worst: { channel: string; refresh_ms: number; gap_ms: number }[];
+  infeasible: string[];
+  remedies: string[];
+}
+
+export interface Checked {
+  faults: Fault[];
+  draft: BusPlan[];
+  today: BusPlan[];
+}
+
+export interface Version {
+  version: number;
+  who: string;
+  why: string;
+  at_ms: number;
+  state: string;
+}
+
+export interface Imported {
+  text: string;
+  moved: { from: string; to: string }[];
+  refusals: { where: string; why: string }[];
+}
+
+export interface Found {
+  address: string;
+  protocol: string;
+  description: string;
+  templates: string[];
+}
+
+export interface FirstValue {
+  channel: string;
+  value: unknown;
+  quality: string;
+  error: string;
+}
+
+const root = '/api/configuration';
+
+export const read = (bridge: string): Promise<Configuration> => request(query(root, { bridge }));
+export const readSchema = (): Promise<object> => request(`${root}/schema`);
+export const readTemplates = (): Promise<Template[]> => request(`${root}/templates`);
+export const check = (bridge: string, text: string, signal?: AbortSignal): Promise<Checked> => request(`${root}/check`, { bridge, text }, signal);
+export const deploy = (bridge: string, base: number, text: string, why: string): Promise<Omit<Watch, 'state'>> =>
+  request(`${root}/deploy`, { bridge, base, text, why });
+export const confirm = (bridge: string, version: number): Promise<unknown> => request(`${root}/confirm`, { bridge, version });
+export const rollBack = (bridge: string, version: number, why: string): Promise<unknown> => request(`${root}/rollback`, { bridge, version, why });
+export const versions = (bridge: string): Promise<Version[]> => request(query(`${root}/versions`, { bridge }));
+export const versionText = async (bridge: string, version: number): Promise<string> =>
+  (await request<{ text: string }>(query(`${root}/version`, { bridge, version }))).text;
+export const importFile = (name: string, content_base64: string): Promise<Imported> => request(`${root}/import`, { name, content_base64 });
+export const scan = async (bridge: string, bus: string): Promise<Found[]> => (await request<{ found: Found[] }>(`${root}/scan`, { bridge, bus })).found;
+export const probe = async (bridge: string, bus: string, device: string): Promise<FirstValue[]> =>
+  (await request<{ values: FirstValue[] }>(`${root}/probe`, { bridge, bus, device })).values;

@@ -1,0 +1,69 @@
+// The watch after a deployment: its end, the bad channels of the bridge, confirmation and return.
+
+import { nothing } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import type { Context } from '../context';
+import { t, word } from '../i18n';
+import { html } from '../markup';
+import { errorText } from '../view';
+import * as api from './api';
+import type { Configuration, Watch } from './api';
+
+const readEvery_ms = 2000;
+
+export class Watching {
+  private watch: Watch | undefined;
+  private badBefore: number | undefined;  // before a deployment of this page
+  private readAt = 0;
+
+  // `adopt` is called with each configuration that was read.
+  constructor(private readonly context: Context, private readonly bridge: string, private readonly adopt: (read: Configuration) => void) {}
+
+  get running(): boolean { return this.watch?.state === 'watching'; }
+  get shown(): boolean { return this.watch !== undefined; }
+
+  // Bad channels of this bridge.
+  badChannels(): number {
+    const { plant } = this.context;
+    return [...plant.count()].reduce((sum, [bus, { bad }]) => sum + (plant.buses.get(bus)?.bridge === this.bridge ? bad : 0), 0);
+  }
+
+  begin(watch: Watch, badBefore: number): void {
+    this.watch = watch;
+    this.badBefore = badBefore;
+    this.readAt = performance.now();
+  }
+
+  // A configuration was read. Without a watch, the last one has ended.
+  update({ watch, version }: Configuration): void {
+    if (watch) this.watch = watch;
+    else if (this.running) this.watch = { ...this.watch!, state: version === this.watch!.version ? 'kept' : 'rolled-back' };
+  }
+
+  tick(): void {
+    if (this.running && performance.now() - this.readAt > readEvery_ms) void this.read();
+  }
+
+  private async read(): Promise<void> {
+    this.readAt = performance.now();
+    // A failed request is repeated; the line below the head shows a lost connection.
+    await api.read(this.bridge).then(this.adopt, () => undefined);
+  }
+
+  private async finish(action: () => Promise<unknown>): Promise<void> {
+    await action().catch((error: unknown) => this.context.say(errorText(error), true));
+    await this.read();
+  }
+
+  view(): TemplateResult {
+    const { watch, badBefore } = this;
+    if (!watch) return html`${nothing}`;
+    const left_s = Math.max(0, Math.ceil((watch.until_ms - this.context.now()) / 1000)), { version } = watch;
+    if (!this.running) return html`<section class="card watch" role="status">${t('configuration.ended', { version, state: word('version', watch.state) })}</section>`;
+    const bad = this.badChannels();
+    return html`<section class="card watch" role="status" aria-live="off" tabindex="-1"><p>${t('configuration.watch', { version, s: left_s })}
+        <b class=${bad > (badBefore ?? bad) ? 'bad' : ''}>${badBefore === undefined ? t('line.bad', { n: bad }) : t('configuration.bad-now', { n: bad, before: badBefore })}</b></p>
+      <button type="button" class="primary" @click=${() => void this.finish(() => api.confirm(this.bridge, version))}>${t('configuration.keep')}</button>
+      <button type="button" class="danger" @click=${() => void this.finish(() => api.rollBack(this.bridge, version, t('configuration.roll-back-why')))}>${t('configuration.roll-back')}</button></section>`;
+  }
+}
