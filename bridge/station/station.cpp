@@ -244,7 +244,6 @@ std::optional<std::string> pattern_at_site(std::string_view pattern, std::string
 
 Station::Station(const std::vector<DdsSite>& sites, const std::string& name)
     : state_(std::make_unique<State>(name)) {
-  FIELDCAST_CHECK(!sites.empty());
   for (const DdsSite& site : sites) {
     FIELDCAST_CHECK(sites.size() == 1 || !site.name.empty());
     try {

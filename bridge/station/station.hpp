@@ -58,7 +58,7 @@ using StationOutcome = tl::expected<StationResult, StationFault>;
 class Station {
  public:
   // Joins the domains of all sites; other tools show `name`. Throws DdsError with the site.
-  // REQUIRES: unique names, not empty unless there is only one site.
+  // Without a site it joins none. REQUIRES: unique names, not empty unless there is only one site.
   Station(const std::vector<DdsSite>& sites, const std::string& name);
   // Joins one domain, whose buses keep their names.
   Station(const DdsSpec& spec, const std::string& name);

@@ -443,31 +443,17 @@ class Contents(ForwardCase):
 
 class Security(ForwardCase):
     def certificates(self):
-        """A certificate authority, certificates of the server and a client, and one of a server with another name."""
-        def openssl(*arguments):
-            subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)
-        for name in ("ca", "foreign"):
-            openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.pem")
-        names = {"server": "IP:127.0.0.1", "client": "DNS:client", "other": "DNS:other.example"}
-        for name, subject in names.items():
-            openssl("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
-            with open(os.path.join(self.folder, "names"), "w", encoding="utf-8") as file:
-                file.write(f"subjectAltName={subject}\n")
-            openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2",
-                    "-extfile", "names", "-out", f"{name}.pem")
-        for name in ("client.key", "password"):
-            with open(os.path.join(self.folder, name), "a", encoding="utf-8") as file:
-                file.write("" if name.endswith("key") else "correct horse\n")
-            os.chmod(os.path.join(self.folder, name), 0o600)
+        nats.make_certificates(self.folder)
+        with open(os.path.join(self.folder, "password"), "w", encoding="utf-8") as file:
+            file.write("correct horse\n")
+        os.chmod(os.path.join(self.folder, "password"), 0o600)
 
     def messages_of_server(self):
         folder = os.path.join(self.folder, "jetstream")
         return sum(os.path.getsize(os.path.join(path, name)) for path, _, names in os.walk(folder) if "FIELDCAST/msgs" in path for name in names)
 
     def tls_server(self, name):
-        return self.server(f"""
-tls {{ cert_file: "{self.folder}/{name}.pem", key_file: "{self.folder}/{name}.key", ca_file: "{self.folder}/ca.pem", verify: true }}
-authorization {{ user: north, password: "correct horse" }}""").start()
+        return self.server(nats.tls_lines(self.folder, name) + 'authorization { user: north, password: "correct horse" }').start()
 
     def test_a_server_with_the_certificate_of_another_name_is_refused(self):
         self.certificates()

@@ -1,5 +1,5 @@
 """Tests a fieldcast-station that reads two sites from NATS JetStream: two plants, each with its
-bridge and its forwarder, a real server, and a station in a DDS domain without a bridge.
+bridge and its forwarder, a real server, and a station that joins no DDS domain.
 
 usage: e2e_stream.py BIN_DIR
 """
@@ -42,11 +42,18 @@ buses:
 CHANNELS = ("temperature", "setpoint", "running")
 
 
-class OtherDomain:
-    """The folder and the domain of a station."""
+class Folder:
+    """The folder of a station."""
 
     def __init__(self, run):
         self.run = run
+
+
+class OtherDomain(Folder):
+    """The folder and the domain of a station."""
+
+    def __init__(self, run):
+        super().__init__(run)
         self.domain, self.claim = claim_domain()
 
 
@@ -105,7 +112,7 @@ stream: {{ servers: [nats://127.0.0.1:{server.port}] }}
 web: {{ local-role: operator }}
 store: {{ path: {other.run}/centre.db }}
 record: {{ }}
-""", "--listen", "127.0.0.1:0")
+""", "--listen", "127.0.0.1:0", joins=False)
 
 
 def history(site, channel):
@@ -294,7 +301,7 @@ class Stream(unittest.TestCase):
             wait_until(lambda: metric(web, "stream_refused_messages_total") == before + 5, SECONDS, running.log)
             self.assertEqual(site_state(web, "north")["refused_messages"], 3)
             log = running.log()
-            for text in ("fieldcast.north.line.press=2E1: a message of 6 bytes is skipped: the content is not protobuf",
+            for text in ("fieldcast.north.line.press=2E1: a message of 6 bytes is skipped: the content is neither protobuf nor JSON",
                          "the version of the message is not supported", "the zstd frame is damaged",
                          "fieldcast.poison: a message of 2 bytes is skipped: the subject does not name"):
                 self.assertIn(text, log)
@@ -327,6 +334,49 @@ class Stream(unittest.TestCase):
             wait_until(lambda: {each["quality"] for each in present(web, "south").values()} == {"UNCERTAIN"}, 10, running.log)
             south.start()
             wait_until(lambda: all_good(web, "south") and site_state(web, "south")["connected"], SECONDS, running.log)
+
+    def test_7_messages_in_json_are_read(self):
+        with open(south.file, encoding="utf-8") as file:
+            text = file.read()
+        south.stop()
+        with open(south.file, "w", encoding="utf-8") as file:
+            file.write(text.replace("payload: { compress: zstd }", "payload: { format: json, compress: zstd }"))
+        south.start()
+        now = time.time()
+        with station() as running:
+            web = Browser(running)
+            found = wait_until(lambda: (found := all_good(web, "south")) and all(each["acquired_ms"] / 1e3 > now for each in found.values()) and found,
+                               SECONDS, running.log)
+            self.assertEqual(found["south:line/press.1/temperature"]["type"], "float32")
+            self.assertEqual(metric(web, "stream_refused_messages_total"), 0)
+            wait_until(lambda: history("south", "temperature")[-1]["acquired_at"] / 1e9 > now, SECONDS, running.log)
+
+    def test_8_a_site_with_the_name_of_a_site_in_dds_is_refused(self):
+        text = f"sites: [{{ name: north, dds: {{ domain: {other.domain} }} }}]\nstream: {{ servers: [nats://127.0.0.1:{server.port}] }}\n"
+        with Station(other, "both", text, "--listen", "127.0.0.1:0", joins=False) as running:
+            web = Browser(running)
+            wait_until(lambda: all_good(web, "south") and site_state(web, "north")["refused_messages"] > 0, SECONDS, running.log)
+            self.assertIn("a site of this station in DDS has the same name; rename one of the two", running.log())
+            self.assertEqual(present(web, "north"), {})
+
+    def test_9_tls_with_a_client_certificate(self):
+        folder = os.path.join(other.run, "tls")
+        os.mkdir(folder)
+        nats.make_certificates(folder)
+        secured = nats.NatsServer(folder, nats.tls_lines(folder, "server")).start()
+        self.addCleanup(secured.kill)
+
+        def reason_of(authority, more):
+            text = f"stream: {{ servers: [tls://127.0.0.1:{secured.port}], authority: {authority}{more} }}\n"
+            with Station(Folder(folder), "tls", text, "--listen", "127.0.0.1:0", joins=False) as running:
+                web = Browser(running)
+                return wait_until(lambda: (found := web.get("/api/sites")["stream"]) and found["reason"] not in ("", "not connected yet") and found["reason"],
+                                  SECONDS, running.log)
+        client = ", certificate: client.pem, key: client.key"
+        self.assertIn("cannot connect", reason_of("foreign.pem", client))
+        self.assertIn("cannot connect", reason_of("ca.pem", ""))
+        # Connected, it finds that the server has no streams.
+        self.assertIn("fieldcast-sites cannot be read: it does not exist", reason_of("ca.pem", client))
 
 
 def stored():

@@ -85,6 +85,26 @@ cluster {{ name: test, listen: "127.0.0.1:{port}", no_advertise: true, routes: [
     return servers
 
 
+def make_certificates(folder):
+    """Makes ca, foreign (authorities), server, client, and other (a server with another name), each as NAME.pem and NAME.key."""
+    def openssl(*arguments):
+        subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=folder)
+    for name in ("ca", "foreign"):
+        openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.pem")
+    for name, subject in (("server", "IP:127.0.0.1"), ("client", "DNS:client"), ("other", "DNS:other.example")):
+        openssl("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
+        with open(os.path.join(folder, "names"), "w", encoding="utf-8") as file:
+            file.write(f"subjectAltName={subject}\n")
+        openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2",
+                "-extfile", "names", "-out", f"{name}.pem")
+    os.chmod(os.path.join(folder, "client.key"), 0o600)
+
+
+def tls_lines(folder, name):
+    """Lines for NatsServer: TLS with this certificate of make_certificates(), for clients with a certificate of its authority."""
+    return f'tls {{ cert_file: "{folder}/{name}.pem", key_file: "{folder}/{name}.key", ca_file: "{folder}/ca.pem", verify: true }}\n'
+
+
 class Message:
     def __init__(self, subject, reply, headers, data):
         self.subject, self.reply, self.headers, self.data = subject, reply, headers, data

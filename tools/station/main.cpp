@@ -58,10 +58,13 @@ std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Pl
                  stderr);
     if (!exposures.empty()) return std::nullopt;
   }
-  if (spec.sites.size() > 1 &&
-      (options.domain || !options.interfaces.empty() || !options.security.empty())) {
+  const bool of_dds = options.domain || !options.interfaces.empty() || !options.security.empty();
+  if (of_dds && spec.sites.size() != 1) {
     std::fputs(
-        "--domain, --interface, --security: each of several sites says its own in the file\n",
+        spec.sites.empty()
+            ? "--domain, --interface, --security: the file has no 'dds' and only a 'stream'\n"
+            : "--domain, --interface, --security: each of several sites says its own in the "
+              "file\n",
         stderr);
     return std::nullopt;
   }

@@ -117,9 +117,11 @@ std::optional<BackfillSpec> WebStation::State::backfill() const {
 void WebStation::State::join_domain() {
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
                                         recorder.get(), backfill());
+  std::set<std::string> names;
+  for (const DdsSite& one : spec.sites) names.insert(one.name);
   if (spec.stream)
-    stream = std::make_unique<StreamReader>(*spec.stream, spec.name, domain->inbox(), store.get(),
-                                            recorder.get());
+    stream = std::make_unique<StreamReader>(*spec.stream, spec.name, std::move(names),
+                                            domain->inbox(), store.get(), recorder.get());
   servers_from = steady_now() + kServersReply;
 }
 

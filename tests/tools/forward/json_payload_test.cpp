@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/forward/batch_support.hpp"
+#include "tools/forward/payload/codec.hpp"
+#include "tools/forward/payload/json_decoder.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -37,6 +39,61 @@ TEST(JsonPayload, SamplesHaveTheirNames) {
   EXPECT_EQ(json["samples"][1]["value"], "a\"b");
   EXPECT_EQ(json["samples"][1]["quality"], "BAD_DEVICE_ERROR");
   EXPECT_EQ(json["samples"][1]["device_code"], 2);
+}
+
+TEST(JsonPayload, IsReadBack) {
+  SampleBatch batch{"line", "press", 255, 0xF0000000000000FF, {}};
+  const Value values[] = {Value{true},
+                          Value{5.0},
+                          Value{1e300},
+                          Value{std::int64_t{-3}},
+                          Value{18'446'744'073'709'551'615u},
+                          Value{std::string("a\"\n\u00B0")}};
+  for (const Value& value : values)
+    batch.samples.push_back({.channel = 1,
+                             .sequence = batch.samples.size() + 1,
+                             .acquired_at = {1'764'360'000'000'000'001},
+                             .value = value});
+  batch.samples.back().quality = Quality::kBadDeviceError;
+  batch.samples.back().device_code = 65'535;
+  const DeviceCatalogue made = catalogue({"a", "b"});
+  const auto payload = JsonPayload::parse(to_json("north", batch, made));
+  ASSERT_TRUE(payload);
+  EXPECT_EQ(payload->schema(), kSchema);
+  auto samples = payload->samples();
+  ASSERT_TRUE(samples);
+  EXPECT_EQ(samples->channels, std::vector<std::string>(batch.samples.size(), "b"));
+  for (BatchSample& sample : samples->batch.samples) sample.channel = 1;
+  EXPECT_EQ(samples->batch.samples, batch.samples);
+  EXPECT_EQ(samples->batch.epoch, batch.epoch);
+  EXPECT_EQ(samples->batch.catalogue, batch.catalogue);
+  const auto read = JsonPayload::parse(to_json("north", made))->catalogue();
+  ASSERT_TRUE(read);
+  EXPECT_EQ(identity_of(*read), identity_of(made));
+  const auto again = JsonPayload::parse(to_json("north", alarm()))->alarm();
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->alarm, alarm().alarm);
+  EXPECT_EQ(again->status, alarm().status);
+}
+
+TEST(JsonPayload, ADamagedTextIsRefused) {
+  EXPECT_FALSE(JsonPayload::parse("{"));
+  EXPECT_FALSE(JsonPayload::parse("[1]"));
+  EXPECT_FALSE(JsonPayload::parse("{}")->schema());
+  const std::string good =
+      to_json("north", SampleBatch{"line", "press", 1, 2, {{.channel = 0}}}, catalogue({"a"}));
+  EXPECT_TRUE(JsonPayload::parse(good)->samples());
+  for (const auto& [from, to] :
+       {std::pair{"\"epoch\"", "\"x\""}, std::pair{"\"GOOD\"", "\"FINE\""},
+        std::pair{"\"NOT_YET_READ\"", "7"}, std::pair{"\"value\":", "\"value\":[],\"x\":"},
+        std::pair{"\"sequence\":", "\"sequence\":-1,\"x\":"},
+        std::pair{"\"samples\":[", "\"samples\":[7,"}}) {
+    std::string bad = good;
+    const auto at = bad.find(from);
+    if (at == bad.npos) continue;  // the other quality
+    bad.replace(at, std::string(from).size(), to);
+    EXPECT_FALSE(JsonPayload::parse(bad)->samples()) << bad;
+  }
 }
 
 TEST(JsonPayload, ACatalogueHasTheIdentityOfItsBatches) {

@@ -55,6 +55,13 @@ stream: { servers: ["tls://nats.example:4222"], authority: ca.pem, user: hall, p
   EXPECT_EQ(loaded->stream->site_bucket, "fieldcast-sites");
 }
 
+TEST(StationConfiguration, OnlyAStreamJoinsNoDomain) {
+  const std::string stream = "stream: { servers: [\"nats://127.0.0.1:4222\"] }\n";
+  EXPECT_TRUE(load(stream)->sites.empty());
+  EXPECT_EQ(load(stream + "dds: { domain: 7 }\n")->sites.size(), 1u);
+  EXPECT_EQ(load("station: hall\n")->sites.size(), 1u);
+}
+
 TEST(StationConfiguration, AStreamOffThisMachineNeedsTls) {
   EXPECT_THAT(faults("stream: { servers: [\"nats://nats.example:4222\"] }\n"),
               ElementsAre(HasSubstr("without TLS")));

@@ -59,6 +59,10 @@ tl::expected<Connection, std::string> connection_of(const std::string& path) {
   if (is_of_station(path)) {
     auto loaded = web::load_station(path);
     if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
+    if (loaded->sites.empty())
+      return tl::unexpected(fmt::format(
+          "{} has only a 'stream' and joins no DDS domain; use a file with 'dds' or 'sites'",
+          path));
     return Connection(std::move(loaded->sites));
   }
   auto loaded = config::load_file(path);

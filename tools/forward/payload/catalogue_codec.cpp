@@ -1,26 +1,10 @@
-#include <array>
-
 #include "schema/forward.pb.h"
 #include "tools/forward/payload/codec.hpp"
+#include "tools/forward/payload/names.hpp"
 
 namespace fieldcast::forward {
 
 namespace {
-
-template <class Enum, std::size_t N>
-std::optional<Enum> enum_from(const std::array<Enum, N>& all, const std::string& text) {
-  for (const Enum each : all) {
-    if (to_text(each) == text) return each;
-  }
-  return std::nullopt;
-}
-
-constexpr std::array kAccesses{Access::kReadOnly, Access::kReadWrite, Access::kWriteOnly};
-constexpr std::array kModes{Mode::kIntensive, Mode::kScheduled, Mode::kOnDemand};
-constexpr std::array kPriorities{AlarmPriority::kLow, AlarmPriority::kMedium, AlarmPriority::kHigh,
-                                 AlarmPriority::kCritical};
-constexpr std::array kStages{AlarmStage::kClear, AlarmStage::kUnacknowledged,
-                             AlarmStage::kAcknowledged, AlarmStage::kReturned};
 
 void write_limits(const Limits& limits, v1::Catalogue_Limits& out) {
   if (limits.low_low) out.set_low_low(*limits.low_low);

@@ -168,8 +168,9 @@ const Rows<StationSpec>& station_rows() {
             .schema = "{}"}},
           {{.name = "stream",
             .fallback = "none is read",
-            .text = "sites whose `fieldcast-forward` sends to NATS JetStream, in addition to `dds` "
-                    "or `sites`: `servers`, ..",
+            .text =
+                "sites whose `fieldcast-forward` sends to NATS JetStream: `servers`, ..; without "
+                "`dds` and `sites`, no DDS domain is joined",
             .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},
@@ -282,7 +283,9 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     config::Library library(reader, options, faults, text.size());
     MapReader file(*document->root, station_rows(), faults);
     station_rows().read(file, spec);
-    spec.sites = read_sites(file, library);
+    const bool has_dds = file.find("dds") != nullptr;
+    const bool joins = file.find("sites") != nullptr || has_dds || !file.has("stream");
+    spec.sites = joins ? read_sites(file, library) : std::vector<DdsSite>{};
     read_stream(file, spec, library);
     read_log(file, spec.log);
     read_store(file, spec.store);

@@ -27,7 +27,8 @@ struct WebSpec {
 
 struct StationSpec {
   std::string name = "station";
-  std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several named ones
+  // One without a name, or several named ones; empty: no DDS domain is joined.
+  std::vector<DdsSite> sites{DdsSite{}};
   // Sites whose forwarders send to NATS JetStream, in addition to `sites`.
   std::optional<forward::JetStreamSpec> stream;
   LogSpec log;

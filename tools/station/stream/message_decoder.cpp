@@ -2,24 +2,58 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_map>
 #include <utility>
 
 #include "tools/forward/outlet/nats/subject.hpp"
 #include "tools/forward/payload/codec.hpp"
 #include "tools/forward/payload/compression.hpp"
+#include "tools/forward/payload/json_decoder.hpp"
 
 namespace fieldcast::web {
 
 namespace {
 
-// Returns the content as protobuf.
-tl::expected<std::string, MessageFault> content_of(std::string_view data) {
-  auto content = forward::decompressed(data);
+// Calls `protobuf` or `json` with the content of a message, and returns what that returns.
+template <class Made>
+tl::expected<Made, MessageFault> decoded(std::string_view data,
+                                         std::optional<Made> (*protobuf)(std::string_view),
+                                         std::optional<Made> (forward::JsonPayload::*json)()
+                                             const) {
+  const auto content = forward::decompressed(data);
   if (!content) return tl::make_unexpected(MessageFault::kFrame);
-  const auto schema = forward::schema_of(*content);
+  const bool is_json = content->starts_with('{');
+  const auto payload = is_json ? forward::JsonPayload::parse(*content) : std::nullopt;
+  if (is_json && !payload) return tl::make_unexpected(MessageFault::kForm);
+  const auto schema = is_json ? payload->schema() : forward::schema_of(*content);
   if (!schema) return tl::make_unexpected(MessageFault::kForm);
   if (*schema != forward::kSchema) return tl::make_unexpected(MessageFault::kSchema);
-  return *std::move(content);
+  auto made = is_json ? ((*payload).*json)() : protobuf(*content);
+  if (!made) return tl::make_unexpected(MessageFault::kContent);
+  return *std::move(made);
+}
+
+std::optional<forward::NamedSamples> samples_by_index(std::string_view text) {
+  auto batch = forward::decode_samples(text);
+  if (!batch) return std::nullopt;
+  return forward::NamedSamples{*std::move(batch), {}};
+}
+
+// Sets the index of each sample that has only a name. Returns false if a channel is unknown.
+bool find_channels(forward::NamedSamples& named, const forward::DeviceCatalogue& catalogue) {
+  std::unordered_map<std::string_view, std::uint32_t> index;
+  if (!named.channels.empty()) {
+    for (std::uint32_t i = 0; i < catalogue.channels.size(); ++i)
+      index.emplace(catalogue.channels[i].channel, i);
+  }
+  for (std::size_t i = 0; i < named.channels.size(); ++i) {
+    const auto found = index.find(named.channels[i]);
+    if (found == index.end()) return false;
+    named.batch.samples[i].channel = found->second;
+  }
+  return std::ranges::all_of(named.batch.samples, [&](const forward::BatchSample& sample) {
+    return sample.channel < catalogue.channels.size();
+  });
 }
 
 }  // namespace
@@ -28,13 +62,14 @@ std::string_view to_text(MessageFault fault) {
   switch (fault) {
     case MessageFault::kSubject: return "the subject does not name a site, a bus and a device";
     case MessageFault::kFrame: return "the zstd frame is damaged or too large";
-    case MessageFault::kForm:
-      return "the content is not protobuf; this station reads no other form";
+    case MessageFault::kForm: return "the content is neither protobuf nor JSON";
     case MessageFault::kSchema:
       return "the version of the message is not supported; update this station";
     case MessageFault::kContent: return "the content cannot be decoded";
     case MessageFault::kCatalogue:
       return "the bucket does not have its catalogue; restart the forwarder of the site";
+    case MessageFault::kTaken:
+      return "a site of this station in DDS has the same name; rename one of the two";
   }
   return "?";
 }
@@ -62,33 +97,26 @@ tl::expected<StreamBatch, MessageFault> decode_batch(const StreamMessage& messag
                                                      const FindCatalogue& find) {
   const auto subject = stream_subject_from(message.subject);
   if (!subject) return tl::make_unexpected(MessageFault::kSubject);
-  const auto content = content_of(message.data);
-  if (!content) return tl::make_unexpected(content.error());
-  auto samples = forward::decode_samples(*content);
-  if (!samples) return tl::make_unexpected(MessageFault::kContent);
-  SharedCatalogue catalogue =
-      find(subject->site, subject->bus, subject->device, samples->catalogue);
-  const auto is_beyond = [&](const forward::BatchSample& sample) {
-    return sample.channel >= catalogue->channels.size();
-  };
-  if (catalogue == nullptr || std::ranges::any_of(samples->samples, is_beyond))
+  auto named = decoded(message.data, samples_by_index, &forward::JsonPayload::samples);
+  if (!named) return tl::make_unexpected(named.error());
+  forward::SampleBatch& samples = named->batch;
+  SharedCatalogue catalogue = find(subject->site, subject->bus, subject->device, samples.catalogue);
+  if (catalogue == nullptr || !find_channels(*named, *catalogue))
     return tl::make_unexpected(MessageFault::kCatalogue);
-  samples->bus = bus_of_site(subject->site, subject->bus);
-  samples->device = subject->device;
+  samples.bus = bus_of_site(subject->site, subject->bus);
+  samples.device = subject->device;
   return StreamBatch{.site = subject->site,
                      .is_late = subject->is_late,
                      .stored_at = message.stored_at,
-                     .samples = *std::move(samples),
+                     .samples = std::move(samples),
                      .catalogue = std::move(catalogue)};
 }
 
 tl::expected<StationAlarmStatus, MessageFault> decode_alarm(const StreamMessage& message) {
   const auto subject = stream_subject_from(message.subject);
   if (!subject) return tl::make_unexpected(MessageFault::kSubject);
-  const auto content = content_of(message.data);
-  if (!content) return tl::make_unexpected(content.error());
-  auto alarm = forward::decode_alarm(*content);
-  if (!alarm) return tl::make_unexpected(MessageFault::kContent);
+  auto alarm = decoded(message.data, forward::decode_alarm, &forward::JsonPayload::alarm);
+  if (!alarm) return tl::make_unexpected(alarm.error());
   alarm->alarm.bus = bus_of_site(subject->site, subject->bus);
   alarm->alarm.device = subject->device;
   return *std::move(alarm);
@@ -96,10 +124,8 @@ tl::expected<StationAlarmStatus, MessageFault> decode_alarm(const StreamMessage&
 
 tl::expected<forward::DeviceCatalogue, MessageFault> decode_catalogue(const std::string& site,
                                                                       std::string_view data) {
-  const auto content = content_of(data);
-  if (!content) return tl::make_unexpected(content.error());
-  auto catalogue = forward::decode_catalogue(*content);
-  if (!catalogue) return tl::make_unexpected(MessageFault::kContent);
+  auto catalogue = decoded(data, forward::decode_catalogue, &forward::JsonPayload::catalogue);
+  if (!catalogue) return tl::make_unexpected(catalogue.error());
   catalogue->bus = bus_of_site(site, catalogue->bus);
   for (StationChannel& channel : catalogue->channels) channel.bus = catalogue->bus;
   return *std::move(catalogue);

@@ -18,7 +18,8 @@ enum class MessageFault : std::uint8_t {
   kForm,       // neither protobuf nor JSON
   kSchema,     // a version that this station does not support
   kContent,    // protobuf or JSON that cannot be decoded
-  kCatalogue,  // the bucket has no catalogue of this identity, or it has fewer channels
+  kCatalogue,  // the bucket has no catalogue of this identity, or it lacks a channel
+  kTaken,      // a DDS site of this station has the name of the site
 };
 [[nodiscard]] std::string_view to_text(MessageFault fault);
 

@@ -1,6 +1,7 @@
 #include "tools/station/stream/stream_reader.hpp"
 
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tools/station/stream/stream_shared.hpp"
@@ -13,11 +14,13 @@ struct StreamReader::State {
 };
 
 StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
-                           DomainInbox& inbox, Store* store, Recorder* recorder)
+                           std::set<std::string> taken, DomainInbox& inbox, Store* store,
+                           Recorder* recorder)
     : state_(std::make_unique<State>()) {
   StreamShared& shared = state_->shared;
   shared.spec = spec;
   shared.station = station;
+  shared.taken = std::move(taken);
   const bool records = store != nullptr && recorder != nullptr;
   state_->threads.emplace_back([&shared, &inbox, recorder] { run_state(shared, inbox, recorder); });
   state_->threads.emplace_back([&shared, &inbox, records] { run_live(shared, inbox, !records); });

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "bridge/store/store.hpp"
@@ -16,10 +17,11 @@ namespace fieldcast::web {
 
 class StreamReader {
  public:
-  // `station`: its name, which names its position in the stream. `store` and `recorder` are null if
-  // nothing is recorded. All must outlive this object.
-  StreamReader(const forward::JetStreamSpec& spec, const std::string& station, DomainInbox& inbox,
-               Store* store, Recorder* recorder);
+  // `station`: its name, which names its position in the stream. `taken`: names of its DDS sites,
+  // which a site of the stream may not have. `store` and `recorder` are null if nothing is
+  // recorded. All must outlive this object.
+  StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
+               std::set<std::string> taken, DomainInbox& inbox, Store* store, Recorder* recorder);
   // Waits for the threads, a few seconds if a server does not respond.
   ~StreamReader();
   StreamReader(const StreamReader&) = delete;

@@ -74,8 +74,19 @@ void MessageReader::refuse(const StreamMessage& message, MessageFault fault) {
                           to_text(fault)));
 }
 
+bool MessageReader::is_taken(const StreamMessage& message) const {
+  if (shared_.taken.empty()) return false;
+  const auto subject = stream_subject_from(message.subject);
+  return subject && shared_.taken.contains(subject->site);
+}
+
 std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
   const StreamMessage message = message_of(from, stored_at_of(from));
+  is_unavailable_ = false;
+  if (is_taken(message)) {
+    refuse(message, MessageFault::kTaken);
+    return std::nullopt;
+  }
   const auto find = [this](const std::string& site, const std::string& bus,
                            const std::string& device, std::uint64_t identity) {
     return shared_.catalogues.find(
@@ -85,7 +96,6 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
           return entry;
         });
   };
-  is_unavailable_ = false;
   auto batch = decode_batch(message, find);
   const Instant began = steady_now();
   if (!batch && batch.error() == MessageFault::kCatalogue &&
@@ -108,7 +118,8 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
 
 std::optional<StationAlarmStatus> MessageReader::alarm_of(natsMsg* from) {
   const StreamMessage message = message_of(from, stored_at_of(from));
-  auto alarm = decode_alarm(message);
+  auto alarm =
+      is_taken(message) ? tl::make_unexpected(MessageFault::kTaken) : decode_alarm(message);
   if (alarm) {
     const std::string& bus = alarm->alarm.bus;
     shared_.sites.heard(bus.substr(0, bus.find(':')), message.stored_at);

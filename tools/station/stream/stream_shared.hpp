@@ -8,6 +8,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -25,7 +26,8 @@ inline constexpr std::size_t kStreamParts = 3;
 
 struct StreamShared {
   forward::JetStreamSpec spec;
-  std::string station;  // its name
+  std::string station;          // its name
+  std::set<std::string> taken;  // names of its DDS sites
 
   CatalogueCache catalogues;
   SiteRegistry sites;
@@ -68,6 +70,7 @@ class MessageReader {
 
  private:
   void refuse(const StreamMessage& message, MessageFault fault);
+  [[nodiscard]] bool is_taken(const StreamMessage& message) const;
 
   StreamShared& shared_;
   NatsSession& session_;

@@ -4,6 +4,7 @@
 
 #include "tests/tools/station/stream/stream_support.hpp"
 #include "tools/forward/payload/compression.hpp"
+#include "tools/forward/payload/json_payload.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -56,6 +57,24 @@ TEST(MessageDecoder, AFrameOfZstdIsRead) {
   const auto read = decode_batch({kSubject, data, {}}, find);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->samples.samples, batch.samples);
+}
+
+TEST(MessageDecoder, JsonIsRead) {
+  const forward::SampleBatch batch{"line", "press", 7, 99, {test::sample(1), test::sample(2)}};
+  const auto text = forward::to_json("north", batch, catalogue_of("line", {"a"}));
+  const auto read = decode_batch({kSubject, text, {}}, find);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->samples.samples, batch.samples);
+  EXPECT_EQ(read->samples.bus, "north:line");
+  EXPECT_EQ(fault_of(kSubject, "{\"schema\":2}"), MessageFault::kSchema);
+  EXPECT_EQ(fault_of(kSubject, "{\"schema\":1}"), MessageFault::kContent);
+  EXPECT_EQ(fault_of(kSubject, "{}"), MessageFault::kForm);
+  EXPECT_EQ(fault_of(kSubject, forward::to_json("north", batch, catalogue_of("line", {"b"}))),
+            MessageFault::kCatalogue);
+  const auto catalogue =
+      decode_catalogue("north", forward::to_json("north", catalogue_of("line", {"a"})));
+  ASSERT_TRUE(catalogue);
+  EXPECT_EQ(catalogue->channels.at(0).path(), "north:line/press/a");
 }
 
 TEST(MessageDecoder, EachFaultHasItsReason) {
