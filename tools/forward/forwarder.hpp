@@ -16,6 +16,7 @@
 #include "bridge/station/station.hpp"
 #include "tools/backfill/gap_table.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/clock_steps.hpp"
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/send/sender.hpp"
 #include "tools/forward/settings/configuration.hpp"
@@ -62,6 +63,7 @@ class Forwarder {
   void on_alarm(const StationAlarmStatus& alarm);
   void on_audit(const AuditReport& entry);
   void gather(BoundedQueue<int>& commands);
+  void check_clock();
   // Appends what has ended; keeps it for the next call if the queue cannot be written.
   void append(bool all);
   void collect(bool all);
@@ -92,6 +94,7 @@ class Forwarder {
   std::vector<Record> records_;  // not appended yet
   std::vector<NamedPosition> positions_;
   std::vector<GapChange> gaps_;
+  ClockSteps clock_steps_;
 
   const UtcTime started_at_ = read_clocks().utc;
   std::atomic<Instant> turned_{steady_now()};  // of the thread `gather`

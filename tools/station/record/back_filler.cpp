@@ -93,7 +93,7 @@ void BackFiller::add(Gap gap) {
 }
 
 bool BackFiller::fetch_part() {
-  const auto request = gaps_.next(steady_now(), read_clocks().utc);
+  const auto request = gaps_.next(steady_now());
   if (!request) return false;
   auto response = station_.history(*request);
   if (!response) {
