@@ -309,6 +309,8 @@ bool Forwarder::fetch_part() {
   auto response = station_->history(*request);
   const std::lock_guard lock(mutex_);
   if (!response) {
+    if (response.error() == StationFault::kNoRight && !std::exchange(is_right_reported_, true))
+      log_warning("fetch", Station::kNoHistoryRight);
     open_gaps_.on_failure(request->bus, steady_now());
     return true;
   }

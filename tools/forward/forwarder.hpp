@@ -84,6 +84,7 @@ class Forwarder {
   std::vector<GapTable::Progress> fetched_;  // for the thread `gather`
   std::uint64_t refused_gaps_ = 0;           // since the last report
   std::uint64_t fetched_samples_ = 0;        // since the last report
+  bool is_right_reported_ = false;           // that this program may not fetch samples
   Gatherer gatherer_;
   std::vector<StationAlarmStatus> alarms_;
   std::vector<AuditReport> audit_;

@@ -97,6 +97,8 @@ bool BackFiller::fetch_part() {
   if (!request) return false;
   auto response = station_.history(*request);
   if (!response) {
+    if (response.error() == StationFault::kNoRight && !std::exchange(is_right_reported_, true))
+      log_warning("back-fill", Station::kNoHistoryRight);
     gaps_.on_failure(request->bus, steady_now());
     return true;
   }
