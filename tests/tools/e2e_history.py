@@ -211,59 +211,6 @@ class Clock(HistoryCase):
         return sum(map(len, self.stream().values()))
 
 
-class FarBridge(Plant):
-    """The bridge runs on the machine at the far end of a wire."""
-
-    def __init__(self, wire):
-        self.wire = wire
-        for machine, device in ((wire.near, wire.device), (wire.far, "from-plant")):
-            machine.run("ip", "route", "add", "224.0.0.0/4", "dev", device)
-        super().__init__(BIN_DIR, CONFIG.replace("{store}", STORE), ", security: none", interfaces=wire.near_address)
-
-    def _start(self, name):
-        if name != "fieldcast-bridge":
-            return super()._start(name)
-        far = os.path.join(self.run, "far.yaml")
-        with open(self.file, encoding="utf-8") as near, open(far, "w", encoding="utf-8") as file:
-            file.write(near.read().replace(self.wire.near_address, self.wire.far_address))
-        with open(os.path.join(self.run, name + ".log"), "w", encoding="utf-8") as log:
-            return self.wire.far.start(os.path.join(BIN_DIR, name), far, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
-
-
-class Cut(HistoryCase):
-    """The wire between the machine of the bridge and this one is cut, by nft, for longer than DDS repairs or remembers a participant."""
-
-    SECONDS = 45
-    wire = None
-
-    def setUp(self):
-        if Cut.wire is None:
-            Cut.wire = networks.Wire("plant")
-        super().setUp()
-
-    def new_plant(self):
-        return FarBridge(self.wire)
-
-    def dds(self):
-        return f"domain: {self.plant.domain}, interfaces: [{self.wire.near_address}], security: none"
-
-    def cut(self):
-        self.wire.cut()
-        time.sleep(self.SECONDS)
-        self.wire.cut(False)
-
-    def test_a_forwarder_that_was_cut_off_fetches_what_it_missed(self):
-        self.start()
-        self.cut()
-        last = {name: max(numbers) for name, numbers in self.stream().items()}
-        wait_until(lambda: all(max(numbers) > last[name] for name, numbers in self.stream().items()), SECONDS, self.forwarder.log)
-        self.compare()
-        self.assertIn("missing samples were fetched", self.forwarder.log())
-        for name, numbers in self.stream().items():
-            during = [number for epoch, number in numbers if number > last[name][1]]
-            self.assertGreater(len(during), self.SECONDS, f"{name}: samples of the time of the cut")
-
-
 RECORD = """
 store: { path: {run}/recorded.db }
 record: { patterns: ["*"] }
@@ -281,14 +228,20 @@ def stored_rows(path):
     return found
 
 
-class Record(unittest.TestCase):
-    def setUp(self):
-        self.plant = self.enterContext(Plant(BIN_DIR, CONFIG.replace("{store}", STORE)))
-        e2e_station.BIN_DIR = BIN_DIR
-        self.recorded = os.path.join(self.plant.run, "recorded.db")
+class RecordCase(unittest.TestCase):
+    """A station that records the samples of `plant`."""
+
+    plant = None
+
+    def dds(self):
+        return None
+
+    @property
+    def recorded(self):
+        return os.path.join(self.plant.run, "recorded.db")
 
     def station(self, name="recorder"):
-        return Station(self.plant, name, RECORD.replace("{run}", self.plant.run), "--listen", "127.0.0.1:0")
+        return Station(self.plant, name, RECORD.replace("{run}", self.plant.run), "--listen", "127.0.0.1:0", dds=self.dds())
 
     def wait_for_samples(self, station, count):
         def recorded():
@@ -310,10 +263,15 @@ class Record(unittest.TestCase):
                 wrong.append((name, missing, repeated))
         return wrong
 
-    def compare(self, station):
+    def compare_record(self, station):
         time.sleep(1)
         wait_until(lambda: not self.difference(), SECONDS, lambda: str(self.difference())[:2000] + station.log())
         wait_until(lambda: "back-filled" in station.log(), SECONDS, station.log)
+
+
+class Record(RecordCase):
+    def setUp(self):
+        self.plant = self.enterContext(Plant(BIN_DIR, CONFIG.replace("{store}", STORE)))
 
     def test_a_killed_station_fetches_what_it_missed(self):
         station = self.station().__enter__()
@@ -323,7 +281,7 @@ class Record(unittest.TestCase):
         station.process.wait()
         time.sleep(DOWN)
         with self.station("restarted") as restarted:
-            self.compare(restarted)
+            self.compare_record(restarted)
 
     def test_a_stopped_station_fetches_what_it_missed(self):
         with self.station() as station:
@@ -332,7 +290,7 @@ class Record(unittest.TestCase):
             time.sleep(3 * DOWN)
             station.process.send_signal(signal.SIGCONT)
             time.sleep(2)
-            self.compare(station)
+            self.compare_record(station)
 
     def test_a_bridge_that_was_restarted_meanwhile(self):
         with self.station() as station:
@@ -343,7 +301,60 @@ class Record(unittest.TestCase):
             time.sleep(DOWN)
             station.process.send_signal(signal.SIGCONT)
             time.sleep(2)
-            self.compare(station)
+            self.compare_record(station)
+
+
+class FarBridge(Plant):
+    """The bridge runs on the machine at the far end of a wire."""
+
+    def __init__(self, wire):
+        self.wire = wire
+        for machine, device in ((wire.near, wire.device), (wire.far, "from-plant")):
+            machine.run("ip", "route", "add", "224.0.0.0/4", "dev", device)
+        super().__init__(BIN_DIR, CONFIG.replace("{store}", STORE), ", security: none", interfaces=wire.near_address)
+
+    def _start(self, name):
+        if name != "fieldcast-bridge":
+            return super()._start(name)
+        far = os.path.join(self.run, "far.yaml")
+        with open(self.file, encoding="utf-8") as near, open(far, "w", encoding="utf-8") as file:
+            file.write(near.read().replace(self.wire.near_address, self.wire.far_address))
+        with open(os.path.join(self.run, name + ".log"), "w", encoding="utf-8") as log:
+            return self.wire.far.start(os.path.join(BIN_DIR, name), far, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+
+
+class Cut(HistoryCase, RecordCase):
+    """The wire between the machine of the bridge and this one is cut, by nft, for longer than DDS repairs or remembers a participant."""
+
+    SECONDS = 45
+    wire = None
+
+    def setUp(self):
+        if Cut.wire is None:
+            Cut.wire = networks.Wire("plant")
+        super().setUp()
+
+    def new_plant(self):
+        return FarBridge(self.wire)
+
+    def dds(self):
+        return f"domain: {self.plant.domain}, interfaces: [{self.wire.near_address}], security: none"
+
+    def test_a_forwarder_and_a_station_that_were_cut_off_fetch_what_they_missed(self):
+        self.start()
+        with self.station() as station:
+            self.wait_for_samples(station, 10)
+            self.wire.cut()
+            time.sleep(self.SECONDS)
+            last = {name: max(numbers) for name, numbers in self.stream().items()}
+            self.wire.cut(False)
+            wait_until(lambda: all(max(numbers) > last[name] for name, numbers in self.stream().items()), SECONDS, self.forwarder.log)
+            self.compare()
+            self.compare_record(station)
+        self.assertIn("missing samples were fetched", self.forwarder.log())
+        for name, numbers in self.stream().items():
+            during = [number for epoch, number in numbers if number > last[name][1]]
+            self.assertGreater(len(during), self.SECONDS, f"{name}: samples of the time of the cut")
 
 
 class WithoutStore(unittest.TestCase):
@@ -371,7 +382,7 @@ class WithoutStore(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR = sys.argv[1]
+    BIN_DIR = e2e_station.BIN_DIR = sys.argv[1]
     NATS_SERVER = nats.PROGRAM or os.path.join(sys.argv[3], "nats-server", "usr", "sbin", "nats-server")
     if not os.path.exists(NATS_SERVER):
         print("no nats-server here; tools/install.sh test brings it")

@@ -32,13 +32,15 @@ bridge: e2e""" + modbus_line() + """\
 class Station:
     """The program with its own configuration; stopped on exit, with a check of the exit code."""
 
-    def __init__(self, plant, name, text, *arguments):
+    def __init__(self, plant, name, text, *arguments, dds=None):
+        """`dds`: the section, if it is more than the domain."""
         self.plant, self.name, self.text, self.arguments = plant, name, text, arguments
+        self.dds = dds or f"domain: {plant.domain}"
 
     def __enter__(self):
         self.path = os.path.join(self.plant.run, self.name + ".yaml")
         with open(self.path, "w", encoding="utf-8") as file:
-            file.write(f"station: {self.name}\ndds: {{ domain: {self.plant.domain} }}\n{self.text}")
+            file.write(f"station: {self.name}\ndds: {{ {self.dds} }}\n{self.text}")
         self.log_path = os.path.join(self.plant.run, self.name + ".log")
         with open(self.log_path, "wb") as log:
             self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-station"), "--config", self.path, *self.arguments],
