@@ -7,8 +7,8 @@
 // in each round, like measured ones. With --record, each block is appended to FILE before it is
 // published: "epoch BUS EPOCH" for each bus, then "FIRST COUNT ROUND TIME" for each block: the
 // first channel, the number of channels, the sequence of their samples, and the time of acquisition
-// in nanoseconds since 1970. With --store, the samples are also written to a store as a bridge does,
-// and requests for stored samples are served from it.
+// in nanoseconds since 1970. With --store, the samples are also written to a store as a bridge
+// does, and requests for stored samples are served from it.
 #include <atomic>
 #include <chrono>
 #include <cmath>
