@@ -164,6 +164,11 @@ class Station {
   // repeated. One thread at a time.
   [[nodiscard]] tl::expected<HistoryResponse, StationFault> history(
       HistoryRequest request, Duration wait = std::chrono::seconds{2});
+  // Reason of kNoRight from history(), and what to do.
+  static constexpr std::string_view kNoHistoryRight =
+      "this identity has no right to fieldcast/HistoryRequest and HistoryBlock: goes on without "
+      "missing samples; 'fieldcast secure renew' gives an identity of an earlier version this "
+      "right";
   // Ends the reception of stored samples until the next request. The thread of history().
   void end_history();
 

@@ -3,12 +3,14 @@
 // FAULT_FILE names a file with a struct Faults, which the campaign writes. The file is mapped, so
 // changes take effect immediately. The library counts operations on files below FAULT_FOLDER there.
 // As set in the struct, an operation fails, is slow or kills the process. CLOCK_REALTIME is moved
-// by `clock_offset_ns`. All other calls are unchanged. Any thread.
+// by `clock_offset_ns`; waits until a time of this clock follow, also if it is set meanwhile. All
+// other calls are unchanged. Any thread.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -167,4 +169,41 @@ time_t time(time_t* when) {
   clock_gettime(CLOCK_REALTIME, &now);
   if (when) *when = now.tv_sec;
   return now.tv_sec;
+}
+
+// A time after 2001 is of the wall clock: the monotonic clock begins at the start of the machine.
+static int is_wall_time(const struct timespec* time) { return time->tv_sec > 1000000000; }
+
+static int is_before(const struct timespec* a, const struct timespec* b) {
+  return a->tv_sec < b->tv_sec || (a->tv_sec == b->tv_sec && a->tv_nsec < b->tv_nsec);
+}
+
+typedef int Wait(pthread_cond_t*, pthread_mutex_t*, const struct timespec*);
+
+// Returns early, as a spurious wakeup, so that the caller computes its wait again after a step.
+static int wait_until(Wait* wait, pthread_cond_t* condition, pthread_mutex_t* mutex,
+                      const struct timespec* deadline) {
+  struct timespec now, slice;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (!is_before(&now, deadline)) return wait(condition, mutex, &(struct timespec){0, 0});
+  REAL(clock_gettime)(CLOCK_REALTIME, &slice);
+  slice.tv_nsec += 50000000;
+  if (slice.tv_nsec >= 1000000000) {
+    slice.tv_nsec -= 1000000000;
+    ++slice.tv_sec;
+  }
+  const int result = wait(condition, mutex, &slice);
+  return result == ETIMEDOUT ? 0 : result;
+}
+
+// Without a version, dlsym() may return the function for programs of before 2003.
+static Wait* real_wait(void) {
+  void* wait = dlvsym(RTLD_NEXT, "pthread_cond_timedwait", "GLIBC_2.3.2");
+  return (Wait*)(wait ? wait : real("pthread_cond_timedwait"));
+}
+
+int pthread_cond_timedwait(pthread_cond_t* restrict condition, pthread_mutex_t* restrict mutex,
+                           const struct timespec* restrict deadline) {
+  if (faults == &none || !is_wall_time(deadline)) return real_wait()(condition, mutex, deadline);
+  return wait_until(real_wait(), condition, mutex, deadline);
 }

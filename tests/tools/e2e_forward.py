@@ -57,9 +57,10 @@ def setUpModule():
 
 
 class NatsForwarder(forwarding.Forwarder):
-    def __init__(self, folder, more, payload="format: json", replicas=1):
+    def __init__(self, folder, more, payload="format: json", replicas=1, dds=None):
+        """`dds`: the section, if it is more than the domain."""
         super().__init__(BIN_DIR, folder,
-                         f"site: north\ndds: {{ domain: {plant.domain} }}\nqueue: {{ path: queue.db }}\n"
+                         f"site: north\ndds: {{ {dds or f'domain: {plant.domain}'} }}\nqueue: {{ path: queue.db }}\n"
                          f"gather: {{ time: {int(GATHER * 1000)}ms }}\npayload: {{ {payload} }}\njetstream:\n  acknowledgement: 1s\n"
                          f"  streams: {{ create: true, replicas: {replicas} }}\n{more}\n")
 

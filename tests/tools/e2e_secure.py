@@ -4,9 +4,11 @@ real programs.
 usage: e2e_secure.py BIN_DIR
 """
 
+import contextlib
 import os
 import shutil
 import signal
+import sqlite3
 import stat
 import subprocess
 import sys
@@ -52,6 +54,7 @@ class Secured(unittest.TestCase):
             cls.secure("add", *member, "--authority", cls.authority)
         for name in ("line-7", "hall"):
             cls.take_right(name, "fieldcast/ProgramRequest")
+            cls.take_right(name, "fieldcast/History")
         cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
@@ -149,6 +152,26 @@ class Secured(unittest.TestCase):
     def test_an_identity_from_before_a_topic_works_without_it(self):
         self.assertIn("cannot make a writer of fieldcast/ProgramRequest: goes on without it; 'fieldcast secure renew'", self.plant.log("fieldcast-bridge"))
         self.page("hall")
+
+    def test_an_identity_from_before_stored_samples_works_without_them(self):
+        self.assertIn("cannot make a writer of fieldcast/HistoryBlock: goes on without it; 'fieldcast secure renew'", self.plant.log("fieldcast-bridge"))
+        recorded = os.path.join(self.plant.run, "recorded.db")
+        record = f"store: {{ path: {recorded} }}\nrecord: {{ patterns: [\"*\"] }}\n"
+
+        def rows():
+            if not os.path.exists(recorded):
+                return 0
+            with contextlib.closing(sqlite3.connect(f"file:{recorded}?mode=ro", uri=True)) as store:
+                return store.execute("select count(*) from samples").fetchone()[0]
+        for name in ("first", "second"):  # the second one misses what was published between them
+            with Station(self.plant, name, record, "--listen", "127.0.0.1:0", "--security", self.member("hall")) as station:
+                before = rows()
+                wait_until(lambda: rows() > before + 10, SECONDS, station.log)
+                if name == "second":
+                    wait_until(lambda: "no right to fieldcast/HistoryRequest" in station.log(), SECONDS, station.log)
+                    self.assertEqual(station.log().count("'fieldcast secure renew'"), 1, "it is logged once")
+                    before = rows()
+                    wait_until(lambda: rows() > before + 10, SECONDS, station.log)
 
     def test_the_page_of_a_plant_writes_on_its_buses(self):
         _, _, live = self.page("press")

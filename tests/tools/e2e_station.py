@@ -30,11 +30,12 @@ bridge: e2e""" + modbus_line() + """\
 
 
 class Station:
-    """The program with its own configuration; stopped on exit, with a check of the exit code. `joins`: the domain of the plant."""
+    """The program with its own configuration; stopped on exit, with a check of the exit code."""
 
-    def __init__(self, plant, name, text, *arguments, joins=True):
+    def __init__(self, plant, name, text, *arguments, dds=None, joins=True):
+        """`dds`: the section, if it is more than the domain. `joins`: false for a station without this section."""
         self.plant, self.name, self.arguments = plant, name, arguments
-        self.text = (f"dds: {{ domain: {plant.domain} }}\n" if joins else "") + text
+        self.text = (f"dds: {{ {dds or f'domain: {plant.domain}'} }}\n" if joins else "") + text
 
     def __enter__(self):
         self.path = os.path.join(self.plant.run, self.name + ".yaml")

@@ -1,6 +1,6 @@
 """The fault campaign of fieldcast-forward: kills and cuts while samples flow from many sites to a cluster of JetStream, and a check of what arrived.
 
-usage: forward_campaign.py --bin BIN_DIR [--minutes M] [--sites N] [--channels C] [--seed S] [--nodes 3] [--folder DIR] [--backfill]
+usage: forward_campaign.py --bin BIN_DIR [--minutes M] [--sites N] [--channels C] [--seed S] [--nodes 3] [--folder DIR] [--stores] [--backfill]
                            [--lines YAML]
 
 Each site publishes C channels once a second (bench_bridge, which records them) in a DDS domain of its own. Faults are drawn from the seed
@@ -8,9 +8,12 @@ Each site publishes C channels once a second (bench_bridge, which records them) 
 round trip of 200 ms, and as root every fourth one also loses 5 % of the packets in each direction. At the end, a consumer that shares no code with
 the forwarder reads the stream, and forward_checker.py compares it with the records.
 
+--stores: each bridge stores its samples, and the checker also compares what arrived with its store: a sample that arrived must be there, except
+within 1 s before the bridge was killed. --backfill, which implies --stores: samples that were published while a forwarder did not run must arrive
+too, and of the samples around the end of a bridge those that its store has.
+
 Missing samples are allowed only in these times, and are counted apart: while a forwarder did not run, from 2.5 s before its kill to 8 s after
-its start; from 1 s before a bridge was killed to 8 s after its start; and in the first seconds of the campaign. --backfill: samples that were
-published while a forwarder did not run must arrive too. --lines: further lines of forward.yaml. --folder: keeps logs, queues and records there.
+its start; from 1 s before a bridge was killed to 8 s after its start; and in the first seconds of the campaign. --lines: further lines of forward.yaml. --folder: keeps logs, queues and records there.
 Exit code: 0 in order, 1 a violation, 2 wrong usage.
 """
 
@@ -41,6 +44,7 @@ ROUND_TRIP = 0.2  # seconds
 LOSS = 5  # per cent
 MEASURE = 5.0  # seconds between two readings of memory and backlog
 DRAIN_SECONDS = 120
+FILL_SECONDS = 120  # until a gap at the end of the campaign is filled from the store
 NOT_RUNNING, BRIDGE_ENDED, STARTING = "the forwarder did not run", "a bridge ended or started", "the campaign started"
 
 
@@ -80,7 +84,8 @@ class Campaign:
         more = f"send: {{ late-after: {10 if options.minutes >= 5 else 3}s }}\n" + options.lines.replace("\\n", "\n")
         for number in range(options.sites):
             uplink = Uplink(self.nodes, 0 if number % 2 else ROUND_TRIP)
-            self.sites.append(Site(options.bin, self.folder, f"site-{number}", options.channels, uplink, more, 3 if options.nodes > 2 else 1))
+            self.sites.append(Site(options.bin, self.folder, f"site-{number}", options.channels, uplink, more, 3 if options.nodes > 2 else 1,
+                                   options.stores))
         self.lossy = self.sites[2::4] if self.is_private else []
         if self.lossy:
             lose_packets([port for site in self.lossy for port in site.uplink.ports])
@@ -127,11 +132,12 @@ class Campaign:
         if fault.kind == CUT:
             site.uplink.cut()
         else:
-            before, reason, kill = UNSENT, BRIDGE_ENDED, site.kill_bridge
+            before, reason, kill, is_bridge = UNSENT, BRIDGE_ENDED, site.kill_bridge, True
             if fault.kind == FORWARDER:
-                before, reason, kill = UNCOMMITTED, NOT_RUNNING, site.kill_forwarder
+                before, reason, kill, is_bridge = UNCOMMITTED, NOT_RUNNING, site.kill_forwarder, False
             kill()
-            self.windows[site].append(Window(now - int(before * 1e9), now + 10 ** 18, reason))  # until repair() sets its end
+            self.windows[site].append(Window(now - int(before * 1e9), now + 10 ** 18, reason,  # until repair() sets its end
+                                             unless_stored=self.options.backfill, loses_stored=is_bridge))
         self.say(at, f"{site.name}: {fault.kind} {'for' if fault.kind == CUT else 'killed for'} {fault.down} s")
 
     def repair(self, fault, _):
@@ -146,7 +152,11 @@ class Campaign:
         self.windows[site][-1].end = time.time_ns() + int(REJOIN * 1e9)
 
     def finish(self):
-        """Ends the bridges, waits until every forwarder has sent its queue, and ends them."""
+        """Waits until the gaps are filled, ends the bridges, waits until every forwarder has sent its queue, and ends them."""
+        if self.options.backfill:
+            end = time.monotonic() + FILL_SECONDS
+            while any(site.open_gaps() for site in self.sites) and time.monotonic() < end:
+                time.sleep(1)
         for site in self.sites:
             self.windows[site].append(Window(time.time_ns() - int(UNSENT * 1e9), time.time_ns() + 10 ** 18, BRIDGE_ENDED))
             site.stop_bridge()
@@ -180,6 +190,8 @@ class Campaign:
         for site in self.sites:
             for (channel, epoch), times in site.published().items():
                 checkers[site.name].publish(channel, epoch, times)
+            if self.options.stores:
+                self.compare_store(site, checkers[site.name])
         count = size = 0
         for message in self.messages("FIELDCAST"):
             count, size = count + 1, size + len(message.data)
@@ -190,6 +202,15 @@ class Campaign:
 
     def expected_windows(self, site):
         return [window for window in self.windows[site] if not (self.options.backfill and window.reason == NOT_RUNNING)]
+
+    @staticmethod
+    def compare_store(site, checker):
+        for channel, epoch, rows in site.stored():
+            checker.store(channel, epoch, [(sequence, at) for sequence, at, _ in rows])
+            # The values of one sample in sixteen.
+            for sequence, _, value in rows[::16]:
+                if value != measured(channel, sequence):
+                    checker.wrong_in_store(channel, epoch, sequence)
 
     @staticmethod
     def check_batch(checker, batch, catalogues, site, late):
@@ -228,6 +249,9 @@ class Campaign:
               f"({sum(result.late for result in total)} late), {sum(result.duplicates for result in total)} duplicates removed, "
               f"{sum(len(result.missing) for result in total)} missing, {sum(len(result.reordered) for result in total)} out of order")
         print("excused: " + ", ".join(f"{number} while {reason}" for reason, number in excused.items()))
+        if options.stores:
+            print(f"stores of the bridges: {sum(result.stored for result in total)} samples, {sum(len(result.not_stored) for result in total)} arrived "
+                  f"but not stored, {sum(len(result.stored_wrong) for result in total)} wrong")
         print(f"{count} messages, {size / max(1, sum(result.arrived for result in total)):.2f} bytes of payload a sample; memory of the nodes "
               + ", ".join(f"{memory_of(node.process) / 1e6:.0f} MB" for node in self.nodes)
               + f"; disk of a node {folder_bytes(self.nodes[0].folder) / 1e6:.1f} MB")
@@ -248,10 +272,13 @@ def options_of(arguments):
     for name, default in [("sites", 3), ("channels", 50), ("seed", 1), ("nodes", 3)]:
         parser.add_argument("--" + name, type=int, default=default)
     parser.add_argument("--folder")
+    parser.add_argument("--stores", action="store_true")
     parser.add_argument("--backfill", action="store_true")
     parser.add_argument("--lines", default="")
     parser.add_argument("--nats", default=nats.PROGRAM or "", help="the program nats-server")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    options.stores |= options.backfill
+    return options
 
 
 def main():

@@ -7,6 +7,7 @@
 
 Rules: every published sample arrives; a repeated one, by channel, epoch and sequence, is counted and removed; within the live and
 within the late samples of a channel, epoch and sequence ascend; nothing arrives that was not published, or with another time or value.
+With the store of a bridge: it has every sample that arrived, each once, and nothing that was not published.
 """
 
 import bisect
@@ -17,10 +18,14 @@ EXAMPLES = 5
 
 
 class Window:
-    """A time in which samples may be missing, and why. Times in nanoseconds since 1970, both included."""
+    """A time in which samples may be missing, and why. Times in nanoseconds since 1970, both included.
 
-    def __init__(self, begin, end, reason):
+    `unless_stored`: only samples that are not in the store of the bridge may be missing. `loses_stored`: the store may lack samples too.
+    """
+
+    def __init__(self, begin, end, reason, unless_stored=False, loses_stored=False):
         self.begin, self.end, self.reason = begin, end, reason
+        self.unless_stored, self.loses_stored = unless_stored, loses_stored
 
     def __repr__(self):
         return f"Window({self.begin}, {self.end}, {self.reason!r})"
@@ -28,14 +33,16 @@ class Window:
 
 class Result:
     def __init__(self):
-        self.published = self.arrived = self.duplicates = self.late = 0
+        self.published = self.arrived = self.duplicates = self.late = self.stored = 0
+        self.not_stored, self.stored_wrong = [], []  # arrived, but not in the store; in the store, but twice or not as published
         self.missing, self.reordered, self.unknown, self.scattered = [], [], [], []
         self.excused = collections.Counter()  # missing samples by the reason of their window
 
     def violations(self):
         """[(text, count, examples)] of broken rules."""
         found = [("missing", self.missing), ("out of order", self.reordered), ("not published, or with another time or value", self.unknown),
-                 (f"more than {GAPS} gaps within one window", self.scattered)]
+                 ("arrived, but not in the store of the bridge", self.not_stored),
+                 ("in the store of the bridge twice, or not as published", self.stored_wrong), (f"more than {GAPS} gaps within one window", self.scattered)]
         return [(text, len(places), places[:EXAMPLES]) for text, places in found if places]
 
 
@@ -43,6 +50,7 @@ class Checker:
     def __init__(self):
         self.times = {}  # (channel, epoch): times by sequence
         self.seen = {}  # (channel, epoch): a byte for each sequence
+        self.kept = {}  # the same for the store of the bridge; empty: it has none
         self.last = {}  # (channel, late): the greatest (epoch, sequence) so far
         self.gathered = Result()
 
@@ -77,6 +85,21 @@ class Checker:
         """The value of this sample is not the published one."""
         self.gathered.unknown.append((channel, epoch, sequence))
 
+    def store(self, channel, epoch, rows):
+        """`rows`: (sequence, time of acquisition) of all samples of the channel and epoch in the store of the bridge."""
+        result, published = self.gathered, self.times.get((channel, epoch), ())
+        kept = self.kept[channel, epoch] = bytearray(len(published) + 1)
+        for sequence, at in rows:
+            if not 0 < sequence <= len(published) or published[sequence - 1] != at or kept[sequence]:
+                result.stored_wrong.append((channel, epoch, sequence))
+            else:
+                kept[sequence] = 1
+                result.stored += 1
+
+    def wrong_in_store(self, channel, epoch, sequence):
+        """The value of this sample in the store is not the published one."""
+        self.gathered.stored_wrong.append((channel, epoch, sequence))
+
     def result(self, windows):
         """The result so far; missing samples within `windows` are counted apart."""
         result = self.gathered
@@ -91,17 +114,29 @@ class Checker:
                 if sequence < 0 or sequence > len(times):
                     break
                 sequence = self._gap(key, times, seen, sequence, ordered, gaps)
+        if self.kept:
+            self._compare_store([window for window in ordered if window.loses_stored])
         result.scattered = [(channel, repr(window)) for (channel, window), count in gaps.items() if count > GAPS]
         return result
 
+    def _compare_store(self, windows):
+        for key in sorted(self.seen):
+            times, kept = self.times.get(key, ()), self.kept.get(key, b"")
+            for sequence, arrived in enumerate(self.seen[key]):
+                if arrived and not (sequence < len(kept) and kept[sequence]):
+                    at = times[sequence - 1]
+                    if not any(window.begin <= at <= window.end for window in windows):
+                        self.gathered.not_stored.append((*key, sequence))
+
     def _gap(self, key, times, seen, first, windows, gaps):
         """Adds the missing samples from `first` to the next one that arrived; returns the sequence after them."""
-        touched = set()
+        touched, kept = set(), self.kept.get(key, b"")
         sequence = first
         while sequence <= len(times) and (sequence >= len(seen) or not seen[sequence]):
             at = times[sequence - 1]
-            window = next((window for window in windows[:bisect.bisect_right(windows, at, key=lambda window: window.begin)] if at <= window.end),
-                          None)
+            is_stored = sequence < len(kept) and kept[sequence]
+            window = next((window for window in windows[:bisect.bisect_right(windows, at, key=lambda window: window.begin)]
+                           if at <= window.end and not (is_stored and window.unless_stored)), None)
             if window is None:
                 self.gathered.missing.append((*key, sequence))
             else:

@@ -78,6 +78,43 @@ class Streams(unittest.TestCase):
         self.assertEqual(len(checked(([2, 4], False), windows=whole).scattered), 1)
 
 
+def compared(stored, *arrivals, windows=()):
+    """As checked(), with the sequences in the store of the bridge."""
+    checker = Checker()
+    checker.publish("a", 7, TIMES)
+    checker.store("a", 7, [(sequence, TIMES[sequence - 1]) for sequence in stored])
+    for sequences in arrivals:
+        checker.arrive("a", 7, sequences, [TIMES[sequence - 1] for sequence in sequences], False)
+    return checker.result(windows)
+
+
+class Stores(unittest.TestCase):
+    ALL = [1, 2, 3, 4, 5]
+
+    def test_a_store_that_has_what_arrived_is_in_order(self):
+        result = compared(self.ALL, self.ALL)
+        self.assertEqual((result.stored, result.violations()), (5, []))
+
+    def test_a_sample_that_arrived_must_be_stored_except_where_the_store_loses_samples(self):
+        self.assertEqual(compared([1, 2, 4, 5], self.ALL).not_stored, [("a", 7, 3)])
+        self.assertEqual(compared([1, 2, 4, 5], self.ALL, windows=[Window(300, 300, "killed")]).not_stored, [("a", 7, 3)])
+        self.assertEqual(compared([1, 2, 4, 5], self.ALL, windows=[Window(300, 300, "killed", loses_stored=True)]).violations(), [])
+
+    def test_a_stored_sample_must_arrive_although_the_window_excuses_others(self):
+        window = Window(200, 400, "killed", unless_stored=True)
+        result = compared([1, 3, 5], [1, 5], windows=[window])
+        self.assertEqual((dict(result.excused), result.missing), ({"killed": 2}, [("a", 7, 3)]))
+
+    def test_a_sample_is_stored_once_and_as_it_was_published(self):
+        self.assertEqual(compared([1, 2, 2, 3, 4, 5], self.ALL).stored_wrong, [("a", 7, 2)])
+        checker = Checker()
+        checker.publish("a", 7, TIMES)
+        checker.store("a", 7, [(1, 101), (6, 600)])
+        checker.store("b", 7, [(1, 100)])
+        checker.wrong_in_store("a", 7, 5)
+        self.assertEqual(checker.result([]).stored_wrong, [("a", 7, 1), ("a", 7, 6), ("b", 7, 1), ("a", 7, 5)])
+
+
 class Messages(unittest.TestCase):
     # Channels 1 and 3; one and two samples with the sequences 5, 7 and 8; two times.
     DATA = bytes.fromhex("0801 11 0700000000000000 19 0900000000000000"

@@ -1,9 +1,12 @@
 """Simulated sites for trials of fieldcast-forward: each has its own DDS domain, bench_bridge, which publishes every channel once a second
-and records what it publishes, and a forwarder. The nodes of JetStream run on this machine too."""
+records what it publishes and may store it as a bridge does, and a forwarder. The nodes of JetStream run on this machine too."""
 
+import bisect
+import contextlib
 import os
 import re
 import signal
+import sqlite3
 import subprocess
 import time
 
@@ -36,14 +39,15 @@ class Uplink:
 
 
 class Site:
-    """`more`: further lines of forward.yaml."""
+    """`more`: further lines of forward.yaml. `has_store`: the bridge stores its samples and serves them."""
 
-    def __init__(self, bin_dir, folder, name, channels, uplink, more="", replicas=1):
+    def __init__(self, bin_dir, folder, name, channels, uplink, more="", replicas=1, has_store=False):
         self.bin_dir, self.name, self.channels, self.uplink = bin_dir, name, channels, uplink
         self.folder = os.path.join(folder, name)
         os.mkdir(self.folder)
         self.domain, self._claim = claim_domain()
         self.bridge = self.forwarder = None
+        self.has_store = has_store
         self.memory = 0  # bytes, the most of any process of the forwarder
         servers = ", ".join(f"nats://127.0.0.1:{port}" for port in uplink.ports)
         with open(self.path("forward.yaml"), "w", encoding="utf-8") as file:
@@ -57,7 +61,8 @@ class Site:
         self.forwarder = self._start("forward.log", "fieldcast-forward", "--config", self.path("forward.yaml"))
 
     def start_bridge(self):
-        self.bridge = self._start("bridge.log", "bench_bridge", str(self.domain), "1", str(self.channels), "real", "--record", self.path("record"))
+        store = ["--store", self.path("bridge.db")] if self.has_store else []
+        self.bridge = self._start("bridge.log", "bench_bridge", str(self.domain), "1", str(self.channels), "real", "--record", self.path("record"), *store)
 
     def _start(self, log, program, *arguments):
         with open(self.path(log), "a", encoding="utf-8") as file:
@@ -102,6 +107,11 @@ class Site:
         wait_until(lambda: self._ended() or len(self.backlogs()) > before, 20, self.log)
         return self.backlogs()[-1] == 0
 
+    def open_gaps(self):
+        """The number of gaps that the forwarder has not filled or given up yet. Reads the state of the queue."""
+        self.is_empty()
+        return int(re.findall(r"(\d+) gaps open", self.log())[-1])
+
     def _ended(self):
         if self.forwarder.poll() is not None:
             raise AssertionError(f"{self.name}: the forwarder ended by itself with {self.forwarder.returncode}\n{self.log()[-3000:]}")
@@ -130,6 +140,18 @@ class Site:
     def published(self):
         """{(channel number, epoch): times in ns by sequence}, from the record of bench_bridge. Channels of a block share one list."""
         return published(self.path("record"))
+
+    def stored(self):
+        """Yields (channel number, epoch, [(sequence, time of acquisition, value)]) of the store of the bridge."""
+        with contextlib.closing(sqlite3.connect(f"file:{self.path('bridge.db')}?mode=ro", uri=True)) as store:
+            epochs = [row[0] for row in store.execute("select epoch from bus_epochs order by epoch")]
+            for number, name in store.execute("select id, channel from channels").fetchall():
+                rows = [[] for _ in epochs]
+                for published_at, *row in store.execute("select published_at, sequence, acquired_at, real_value from samples where channel = ? "
+                                                        "order by published_at, sequence", (number,)):
+                    rows[bisect.bisect_right(epochs, published_at) - 1].append(tuple(row))
+                for epoch, each in zip(epochs, rows):
+                    yield int(name.rpartition("-")[2]), epoch, each
 
 
 def published(path):

@@ -1,6 +1,7 @@
 #include "tools/backfill/gap_table.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace fieldcast {
@@ -28,11 +29,12 @@ bool GapTable::add(const Gap& gap, Instant found) {
   return true;
 }
 
-std::optional<HistoryRequest> GapTable::next(Instant now, UtcTime utc) const {
-  constexpr Duration kAhead = std::chrono::hours{1};  // the clock of the bridge may be ahead
+std::optional<HistoryRequest> GapTable::next(Instant now) const {
+  // The ranges name the ends of the gaps: the clock of this machine may differ from the bridge's.
+  constexpr UtcTime kAnyTime{std::numeric_limits<std::int64_t>::max()};
   for (const auto& [name, bus] : buses_) {
     if (bus.due > now) continue;
-    HistoryRequest request{.bus = name, .until = {saturated_sum(utc.nanoseconds, kAhead.count())}};
+    HistoryRequest request{.bus = name, .until = kAnyTime};
     for (const auto& [path, gaps] : bus.channels) {
       const auto& [until, open] = *gaps.begin();
       if (open.due > now) continue;

@@ -38,7 +38,7 @@ class GapTable {
   bool add(const Gap& gap, Instant found);
 
   // The next request, if one is due: for one bus, without requester and id.
-  [[nodiscard]] std::optional<HistoryRequest> next(Instant now, UtcTime utc) const;
+  [[nodiscard]] std::optional<HistoryRequest> next(Instant now) const;
 
   struct Progress {
     std::vector<Fetched> fetched;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Measures how fieldcast-station fetches an hour of missing samples from the store of a bridge: time, processor time, missed refreshes.
 
-usage: tools/bench/history_bench.py BIN_DIR [--channels 1000] [--minutes 60]
+usage: tools/bench/history_bench.py BIN_DIR [--channels 1000] [--minutes 60] [--rounds 1]
 
 A simulated bus of 115 200 baud with channels of 1 s. The store of the bridge is filled before its start with one sample a second of each
-channel; the record of the station has only the first of them. The processor time of the bridge and its missed refreshes are counted during
-the back-fill, and for the same time after it.
+channel; the record of the station has only the first of them. A round measures the bridge for the same time with a station that fetches
+the missing samples and with one that does not, in alternating order, because other programs of the machine also delay a bus.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import contextlib
 import os
 import re
 import sqlite3
+import statistics
 import sys
 import time
 
@@ -54,7 +55,7 @@ def fill(path, channels, seconds, end, every):
                           [(f"c{i}",) for i in range(channels)])
         ids = [row[0] for row in store.execute("select id from channels where bus = 'line' order by id")]
         begin = end - seconds * SECOND
-        store.execute("insert into bus_epochs values('line', ?)", (begin - SECOND,))
+        store.execute("insert into bus_epochs values('line', ?) on conflict do nothing", (begin - SECOND,))
         for each in ids:
             store.executemany("insert into samples values(?, ?, ?, ?, 0, 0, 2, ?, null, null)",
                               ((each, at, i + 1, at, i % 65536) for i in range(0, seconds, every) for at in (begin + i * SECOND,)))
@@ -76,46 +77,80 @@ class Bridge:
         return time.monotonic(), run_seconds(self.pid), status["deadline_misses"], status["samples"]
 
 
-def report(name, before, after):
+def missed(name, before, after):
+    """Prints what the bridge did; returns its missed refreshes a second."""
     seconds = after[0] - before[0]
-    print(f"{name}: {seconds:.1f} s, bridge {(after[1] - before[1]) / seconds:.3f} cores, {after[2] - before[2]} missed refreshes, "
+    print(f"{name:10}: {seconds:6.1f} s, bridge {(after[1] - before[1]) / seconds:.3f} cores, {after[2] - before[2]} missed refreshes, "
           f"{(after[3] - before[3]) / seconds:.0f} samples a second", flush=True)
+    return (after[2] - before[2]) / seconds
+
+
+class Bench:
+    def __init__(self, plant, options):
+        self.plant, self.channels, self.seconds = plant, options.channels, 60 * options.minutes
+        self.bridge_store, self.recorded = os.path.join(plant.run, "bridge.db"), os.path.join(plant.run, "recorded.db")
+        self.bridge = Bridge(plant)
+        self.starts = 0
+
+    def station(self, longest):
+        self.starts += 1
+        text = RECORD.replace("{run}", self.plant.run).replace("{backfill}", longest)
+        return e2e_station.Station(self.plant, f"station-{self.starts}", text, "--listen", "127.0.0.1:0")
+
+    def prepare(self):
+        """Fills the store of the bridge with what was missed."""
+        with self.station("0s") as station:
+            wait_until(lambda: os.path.exists(self.recorded) and count(self.recorded) >= self.channels, 60, station.log)
+        with contextlib.closing(sqlite3.connect(self.bridge_store, timeout=60)) as store:
+            self.end = store.execute("select min(published_at) from samples").fetchone()[0] - SECOND
+        fill(self.bridge_store, self.channels, self.seconds, self.end, 1)
+        print(f"{self.seconds * self.channels} samples were missed", flush=True)
+        time.sleep(15)  # the bridge has stored what waited meanwhile
+
+    def forget(self):
+        """The record has only the first sample of each channel."""
+        with contextlib.closing(sqlite3.connect(self.recorded, timeout=60)) as store:
+            store.execute("delete from samples")
+            store.commit()
+        fill(self.recorded, self.channels, self.seconds, self.end, self.seconds)
+
+    def with_back_fill(self):
+        self.forget()
+        before = self.bridge.look()
+        with self.station("1d") as station:
+            wait_until(lambda: "back-filled" in station.log(), 3600, station.log)
+            after = self.bridge.look()
+            print(re.search("back-filled.*", station.log())[0], flush=True)
+        self.longest = after[0] - before[0]
+        return missed("back-fill", before, after)
+
+    def without(self):
+        before = self.bridge.look()
+        with self.station("0s"):
+            time.sleep(self.longest)
+            return missed("without", before, self.bridge.look())
+
+    def round(self, number):
+        first = self.with_back_fill() if number % 2 == 0 else self.without()
+        second = self.without() if number % 2 == 0 else self.with_back_fill()
+        return (first, second) if number % 2 == 0 else (second, first)
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("bin_dir")
-    parser.add_argument("--channels", type=int, default=1000)
-    parser.add_argument("--minutes", type=int, default=60)
+    for name, default in [("channels", 1000), ("minutes", 60), ("rounds", 1)]:
+        parser.add_argument("--" + name, type=int, default=default)
     options = parser.parse_args()
     e2e_station.BIN_DIR = options.bin_dir
     config = CONFIG + "".join(f"          - {{ name: c{i}, at: \"holding:{i + 1}\", type: uint16 }}\n" for i in range(options.channels))
     with Plant(options.bin_dir, config) as plant:
-        bridge_store, recorded = os.path.join(plant.run, "bridge.db"), os.path.join(plant.run, "recorded.db")
-        with e2e_station.Station(plant, "first", RECORD.replace("{run}", plant.run).replace("{backfill}", "0s"), "--listen", "127.0.0.1:0") as station:
-            wait_until(lambda: os.path.exists(recorded) and count(recorded) >= options.channels, 60, station.log)
-        seconds = 60 * options.minutes
-        for path in (bridge_store, recorded):
-            with contextlib.closing(sqlite3.connect(path, timeout=60)) as store:
-                begin = store.execute("select min(published_at) from samples").fetchone()[0]
-                if path == recorded:  # only the first sample of the hour
-                    store.execute("delete from samples")
-                    store.commit()
-            fill(path, options.channels, seconds, begin - SECOND, 1 if path == bridge_store else seconds)
-        print(f"{seconds * options.channels} samples were missed", flush=True)
-        time.sleep(15)  # the bridge has stored what waited meanwhile
-        bridge = Bridge(plant)
-        before = bridge.look()
-        with e2e_station.Station(plant, "second", RECORD.replace("{run}", plant.run).replace("{backfill}", "1d"), "--listen", "127.0.0.1:0") as station:
-            wait_until(lambda: "back-filled" in station.log(), 3600, station.log)
-            after = bridge.look()
-            report("back-fill", before, after)
-            print(re.search("back-filled.*", station.log())[0], flush=True)
-            station_seconds = run_seconds(station.process.pid)
-            print(f"station {station_seconds:.1f} s of processor time", flush=True)
-            time.sleep(min(120, after[0] - before[0]))
-            report("afterwards", after, bridge.look())
-            print(f"{count(recorded)} samples recorded, {count(bridge_store)} in the store of the bridge", flush=True)
+        bench = Bench(plant, options)
+        bench.prepare()
+        pairs = [bench.round(number) for number in range(options.rounds)]
+        differences = [with_it - without for with_it, without in pairs]
+        print(f"missed refreshes a second, with and without the back-fill: {', '.join(f'{a:.1f} and {b:.1f}' for a, b in pairs)}; "
+              f"median of the differences {statistics.median(differences):+.1f}")
 
 
 if __name__ == "__main__":

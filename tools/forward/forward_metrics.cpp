@@ -54,6 +54,8 @@ constexpr Row kRows[] = {
      [](const SiteStatus& status) { return number(status.dropped_samples); }},
     {"fieldcast_forward_lost_samples", true, "", "Samples lost because the queue was not written.",
      [](const SiteStatus& status) { return number(status.lost_samples); }},
+    {"fieldcast_forward_open_gaps", false, "", "Gaps whose missing samples are fetched.",
+     [](const SiteStatus& status) { return number(status.open_gaps); }},
 };
 
 }  // namespace

@@ -184,6 +184,7 @@ void Forwarder::stop() {
 void Forwarder::gather(BoundedQueue<int>& commands) {
   Instant cleaned = steady_now();
   while (!commands.pause(records_.empty() ? kLook : kLookAfterFault)) {
+    check_clock();
     append(false);
     turned_ = steady_now();
     if (steady_now() - cleaned < kClean) continue;
@@ -198,6 +199,21 @@ void Forwarder::gather(BoundedQueue<int>& commands) {
   if (!records_.empty())
     log_error("queue",
               fmt::format("{} messages could not be stored and are lost", records_.size()));
+}
+
+// Order and repetitions do not depend on the clock, but the ages of waiting messages do.
+void Forwarder::check_clock() {
+  const Duration step = clock_steps_.on_reading(read_clocks());
+  if (step == Duration{}) return;
+  const bool is_back = step < Duration{};
+  const bool is_too_early = !is_back && spec_.queue.keep != Duration{};
+  const Duration size = std::chrono::round<std::chrono::seconds>(is_back ? -step : step);
+  log_warning(
+      "clock",
+      fmt::format("the clock of this machine was set {} by {}: the ages of waiting messages "
+                  "are wrong by as much{}",
+                  is_back ? "back" : "forward", fieldcast::to_text(size),
+                  is_too_early ? ", and queue.keep may remove them too early" : ""));
 }
 
 void Forwarder::append(bool all) {
@@ -287,12 +303,14 @@ bool Forwarder::fetch_part() {
   std::optional<HistoryRequest> request;
   {
     const std::lock_guard lock(mutex_);
-    request = open_gaps_.next(steady_now(), read_clocks().utc);
+    request = open_gaps_.next(steady_now());
   }
   if (!request) return false;
   auto response = station_->history(*request);
   const std::lock_guard lock(mutex_);
   if (!response) {
+    if (response.error() == StationFault::kNoRight && !std::exchange(is_right_reported_, true))
+      log_warning("fetch", Station::kNoHistoryRight);
     open_gaps_.on_failure(request->bus, steady_now());
     return true;
   }
@@ -333,6 +351,7 @@ SiteStatus Forwarder::status() {
   const std::lock_guard lock(mutex_);
   status.lost_samples = gatherer_.counters().refused;
   status.devices = gatherer_.devices();
+  status.open_gaps = open_gaps_.size();
   return status;
 }
 
@@ -374,11 +393,11 @@ void Forwarder::report() {
 std::string to_text(const SiteStatus& status) {
   return fmt::format(
       "{}, {} messages wait ({:.1f} kB), {} samples ({} late) in {} messages acknowledged, {} "
-      "messages repeated, {} refused",
+      "messages repeated, {} refused, {} gaps open",
       status.is_connected ? "connected" : "not connected", status.backlog_records,
       static_cast<double>(status.backlog_bytes) / 1e3, status.acknowledged_samples,
       status.late_samples, status.acknowledged_messages, status.repeated_messages,
-      status.refused_messages);
+      status.refused_messages, status.open_gaps);
 }
 
 }  // namespace fieldcast::forward

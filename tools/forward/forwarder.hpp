@@ -16,6 +16,7 @@
 #include "bridge/station/station.hpp"
 #include "tools/backfill/gap_table.hpp"
 #include "tools/forward/batch/gatherer.hpp"
+#include "tools/forward/clock_steps.hpp"
 #include "tools/forward/command/command_service.hpp"
 #include "tools/forward/send/sender.hpp"
 #include "tools/forward/settings/configuration.hpp"
@@ -62,6 +63,7 @@ class Forwarder {
   void on_alarm(const StationAlarmStatus& alarm);
   void on_audit(const AuditReport& entry);
   void gather(BoundedQueue<int>& commands);
+  void check_clock();
   // Appends what has ended; keeps it for the next call if the queue cannot be written.
   void append(bool all);
   void collect(bool all);
@@ -82,6 +84,7 @@ class Forwarder {
   std::vector<GapTable::Progress> fetched_;  // for the thread `gather`
   std::uint64_t refused_gaps_ = 0;           // since the last report
   std::uint64_t fetched_samples_ = 0;        // since the last report
+  bool is_right_reported_ = false;           // that this program may not fetch samples
   Gatherer gatherer_;
   std::vector<StationAlarmStatus> alarms_;
   std::vector<AuditReport> audit_;
@@ -92,6 +95,7 @@ class Forwarder {
   std::vector<Record> records_;  // not appended yet
   std::vector<NamedPosition> positions_;
   std::vector<GapChange> gaps_;
+  ClockSteps clock_steps_;
 
   const UtcTime started_at_ = read_clocks().utc;
   std::atomic<Instant> turned_{steady_now()};  // of the thread `gather`

@@ -22,6 +22,7 @@ struct SiteStatus {
   std::uint64_t repeated_messages = 0, refused_messages = 0;
   std::uint64_t lost_samples = 0;  // the queue could not be written
   std::uint64_t devices = 0;
+  std::uint64_t open_gaps = 0;  // of channels, whose missing samples are fetched
 };
 
 // {"schema":1,"site":"north","at":1764360000000000000,"backlog_records":12,..}; times are Unix

@@ -93,10 +93,12 @@ void BackFiller::add(Gap gap) {
 }
 
 bool BackFiller::fetch_part() {
-  const auto request = gaps_.next(steady_now(), read_clocks().utc);
+  const auto request = gaps_.next(steady_now());
   if (!request) return false;
   auto response = station_.history(*request);
   if (!response) {
+    if (response.error() == StationFault::kNoRight && !std::exchange(is_right_reported_, true))
+      log_warning("back-fill", Station::kNoHistoryRight);
     gaps_.on_failure(request->bus, steady_now());
     return true;
   }

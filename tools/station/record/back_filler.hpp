@@ -60,6 +60,7 @@ class BackFiller {
   std::map<std::string, SampleRow> stored_;     // by path: the stored sample before a gap
   std::map<std::string, Filled> filled_;        // by bus
   std::map<std::string, std::string> refused_;  // by bus: the reason, which is logged once
+  bool is_right_reported_ = false;              // that this station may not fetch samples
   Worker<int> worker_;                          // last: it uses the members above
 };
 
