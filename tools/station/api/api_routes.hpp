@@ -14,6 +14,7 @@
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/notify/notifier.hpp"
 #include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
@@ -33,6 +34,7 @@ struct Api {
   Database* database = nullptr;
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
+  const Notifier* notifier = nullptr;  // null if nobody is notified
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
   std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
@@ -43,8 +45,8 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
                         const Reply& reply);
 
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
-    show_devices, show_history, show_metrics, show_openapi, show_plan, show_result, show_sessions,
-    show_sites, show_users, export_history;
+    show_devices, show_history, show_metrics, show_notifications, show_openapi, show_plan,
+    show_result, show_sessions, show_sites, show_users, export_history;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
 
@@ -73,6 +75,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/devices", Access::kViewer, show_devices},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
+    {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},
     {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
     {Method::kGet, "/api/plan", Access::kViewer, show_plan},
     {Method::kGet, "/api/sessions", Access::kViewer, show_sessions},

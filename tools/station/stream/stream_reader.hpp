@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -17,9 +18,11 @@ namespace fieldcast::web {
 class StreamReader {
  public:
   // `station`: its name, which names its position in the stream. `store` and `recorder` are null if
-  // nothing is recorded. All must outlive this object.
+  // nothing is recorded. All must outlive this object. `on_alarm` is called on a thread of this
+  // object and must not block.
   StreamReader(const forward::JetStreamSpec& spec, const std::string& station, DomainInbox& inbox,
-               Store* store, Recorder* recorder);
+               Store* store, Recorder* recorder,
+               std::function<void(const StationAlarmStatus&)> on_alarm = {});
   // Waits for the threads, a few seconds if a server does not respond.
   ~StreamReader();
   StreamReader(const StreamReader&) = delete;

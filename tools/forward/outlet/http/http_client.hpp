@@ -29,9 +29,13 @@ class HttpClient {
   // is no response. REQUIRES: open() succeeded.
   [[nodiscard]] tl::expected<HttpResponse, std::string> post(
       const std::string& path, const std::vector<std::string>& headers, std::string_view body);
+  // As post(). Neither follows a redirect.
+  [[nodiscard]] tl::expected<HttpResponse, std::string> get(const std::string& path);
 
  private:
   struct Handle;
+  [[nodiscard]] tl::expected<HttpResponse, std::string> perform(
+      const std::string& path, const std::vector<std::string>& headers);
   const HttpSpec spec_;
   const std::string token_scheme_;
   std::unique_ptr<Handle> handle_;
