@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxSubject = 300;  // bytes
 constexpr std::size_t kMaxText = 60'000;  // bytes
+constexpr std::size_t kMaxLinked = 500;   // bytes of an alarm's name in a link
 constexpr std::size_t kEncodedWord = 45;  // bytes of text in an encoded word of 75 characters
 constexpr std::size_t kBase64Line = 57;   // bytes in a line of 76 characters
 
@@ -34,6 +35,13 @@ std::string percent(std::string_view text) {
     out += plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
   }
   return out;
+}
+
+// The largest part of at most `most` bytes that ends between two characters.
+std::string_view whole_characters(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;
+  return text.substr(0, most);
 }
 
 std::string_view subject_word(NotifyKind kind) {
@@ -78,7 +86,7 @@ std::string text_of(const NotifyMessage& message, const NotifySpec& spec,
   }
   text += fmt::format("\nStation {}, rule {}, sent {}\n", station, message.rule,
                       local_time(message.at));
-  return text.size() <= kMaxText ? text : text.substr(0, kMaxText);
+  return std::string(whole_characters(text, kMaxText));
 }
 
 std::string json_of(const std::string& id, const NotifyMessage& message, const NotifySpec& spec,
@@ -97,20 +105,14 @@ std::string json_of(const std::string& id, const NotifyMessage& message, const N
   return json.add("link", link_of(spec.link, message.alarm)).take();
 }
 
-// The largest part of at most `most` bytes that ends between two characters.
-std::string_view whole_characters(std::string_view text, std::size_t most) {
-  if (text.size() <= most) return text;
-  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;
-  return text.substr(0, most);
-}
-
 }  // namespace
 
 std::string link_of(const std::string& page, const AlarmKey& alarm) {
   if (page.empty()) return {};
-  return fmt::format("{}/#/alarms?alarm={}", page,
-                     percent(fmt::format("{}/{}/{}/{}", alarm.bus, alarm.device, alarm.channel,
-                                         to_text(alarm.limit))));
+  const std::string key =
+      fmt::format("{}/{}/{}/{}", alarm.bus, alarm.device, alarm.channel, to_text(alarm.limit));
+  if (key.size() > kMaxLinked) return page + "/#/alarms";
+  return fmt::format("{}/#/alarms?alarm={}", page, percent(key));
 }
 
 std::vector<Notification> rows_of(const NotifyMessage& message, const NotifySpec& spec,

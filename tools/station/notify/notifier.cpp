@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::seconds kTurn{1};              // period of the rules
 constexpr std::chrono::milliseconds kLook{250};       // of new messages
 constexpr Duration kIdle = std::chrono::seconds{10};  // until the store is read without news
-constexpr Duration kFirstPause = std::chrono::seconds{5};
+constexpr Duration kFirstPause = std::chrono::seconds{2};
 constexpr Duration kLongestPause = std::chrono::minutes{10};       // of a message
 constexpr Duration kLongestTargetPause = std::chrono::minutes{1};  // of a target
 constexpr Duration kTidy = std::chrono::minutes{1};

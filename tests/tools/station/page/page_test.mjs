@@ -19,13 +19,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // Bundles the modules together, so that they share state as in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'browser_notices', 'pages'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: [...names, 'texts/common', 'texts/causes'].map((path) => `export * as ${path.split('/').pop()} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -49,6 +49,32 @@ test('the rate of a programming session is that of its last two reports', () => 
   assert.equal(rate(5000), 0);
   made.setSession(report({ since_ms: 9000, bytes_to_device: 7 }), 9000);
   assert.equal(rate(9000), 0);
+});
+
+test('the browser is notified once of each alarm that becomes unacknowledged', () => {
+  globalThis.window = { Notification: {}, isSecureContext: true };
+  globalThis.Notification = { permission: 'granted' };
+  const kept = globalThis.localStorage;
+  globalThis.localStorage = { ...kept, getItem: (key) => (key === 'fieldcast.notices' ? 'on' : null) };
+  const shown = [];
+  const notices = new browser_notices.BrowserNotices((title, options, address) => shown.push([title, options.tag, address]));
+  const alarm = (channel, more) => ({ bus: 'one', device: 'plc', channel, limit: 'high', priority: 'critical', state: 'unacknowledged', since_ms: 5, suppressed: '', shelved_until_ms: null, ...more });
+  notices.see(alarm('old'), 1000);  // was there when the page was opened
+  notices.see(alarm('old'), 9000);
+  notices.see(alarm('a/b'), 9000);
+  notices.see(alarm('a/b'), 9100);
+  notices.see(alarm('quiet', { suppressed: 'maintenance' }), 9100);
+  notices.see(alarm('shelved', { shelved_until_ms: 10000 }), 9100);
+  assert.deepEqual(shown, [['critical: one/plc/a/b high', 'one/plc/a/b/high', '#/alarms?alarm=one%2Fplc%2Fa%2Fb%2Fhigh']]);
+  notices.see(alarm('a/b', { state: 'acknowledged' }), 9200);
+  notices.see(alarm('a/b', { since_ms: 9300 }), 9300);  // raised again
+  assert.equal(shown.length, 2);
+  for (let i = 0; i < 5; ++i) notices.see(alarm(`c${i}`), 9400);
+  assert.deepEqual(shown.slice(3).map(([title, tag]) => [title, tag]), [4, 5, 6, 7].map((n) => [`${n} new alarms`, 'fieldcast']));
+  globalThis.Notification.permission = 'denied';
+  notices.see(alarm('d'), 60000);
+  assert.equal(shown.length, 7);
+  globalThis.localStorage = kept;
 });
 
 test('marks that turn the writing direction are shown escaped', () => {
