@@ -36,7 +36,7 @@ except ImportError:
 BIN_DIR = ""
 SECONDS = 60
 PASSWORD, KEY = "a pass word of mail", "the key of the signature"
-CHANNELS = ("mail", "dead", "window", "hook", "flood-1", "flood-2", "flood-3", "flood-4")
+CHANNELS = ("mail", "dead", "window", "hang", "hook", "flood-1", "flood-2", "flood-3", "flood-4")
 
 CONFIG = """
 bridge: e2e
@@ -283,6 +283,21 @@ class Notifications(unittest.TestCase):
             self.assertEqual(len(inbox.mails), 3)
             settle()
             self.assertEqual(len(inbox.mails), 3)
+
+    def test_3_a_server_that_hangs_does_not_delay_the_stop(self):
+        inbox, port = Inbox(), free_port()
+        text = configuration("hang", port, '[{ name: all, to: [crew], patterns: ["line/press/hang"] }]')
+        with Smtp(inbox, port), station("hang", text) as running:
+            inbox.hold.clear()
+            write("hang", 20001)
+            wait_until(lambda: inbox.mails, SECONDS, running.log)
+            began = time.monotonic()
+            running.process.send_signal(signal.SIGTERM)
+            self.assertEqual(running.process.wait(SECONDS), 0, running.log())
+            self.assertLess(time.monotonic() - began, 8)
+            inbox.hold.set()
+            running.__enter__()  # nobody knows whether the mail was accepted: it is sent again
+            wait_until(lambda: state(running)["sent"] == 2, SECONDS, running.log)
 
     def test_4_a_webhook_that_fails_in_every_way_gets_the_message_in_the_end(self):
         with Hook(500, 302, "cut", "hang", 200) as hook:

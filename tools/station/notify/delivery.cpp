@@ -44,7 +44,7 @@ Result checked(const tl::expected<forward::HttpResponse, std::string>& response)
       fmt::format("response {} {}", response->status, printable(response->text, 200)));
 }
 
-Result post(const NotifyTarget& target, const Notification& message) {
+Result post(const NotifyTarget& target, const Notification& message, const Ended& ended) {
   const auto spec = with_url(target.webhook, target.url_file);
   if (!spec) return tl::make_unexpected(spec.error());
   std::vector<std::string> headers{"Content-Type: application/json", "Fieldcast-Id: " + message.id};
@@ -53,7 +53,7 @@ Result post(const NotifyTarget& target, const Notification& message) {
     if (!secret) return tl::make_unexpected(secret.error());
     headers.push_back("Fieldcast-Signature: " + signature_of(secret->text(), message.json));
   }
-  HttpClient client(*spec, "Bearer");
+  HttpClient client(*spec, "Bearer", ended);
   if (auto opened = client.open(); !opened) return opened;
   return checked(client.post("", headers, message.json));
 }
@@ -71,15 +71,16 @@ std::string signature_of(std::string_view secret, std::string_view body) {
   return text;
 }
 
-Result deliver(const MailSpec& mail, const NotifyTarget& target, const Notification& message) {
-  if (target.mail.empty()) return post(target, message);
-  return send_mail(mail, message.recipient, mail_text(message, mail.from));
+Result deliver(const MailSpec& mail, const NotifyTarget& target, const Notification& message,
+               const Ended& ended) {
+  if (target.mail.empty()) return post(target, message, ended);
+  return send_mail(mail, message.recipient, mail_text(message, mail.from), ended);
 }
 
-Result beat(const HeartbeatSpec& spec, const std::string& station) {
+Result beat(const HeartbeatSpec& spec, const std::string& station, const Ended& ended) {
   const auto http = with_url(spec.http, spec.url_file);
   if (!http) return tl::make_unexpected(http.error());
-  HttpClient client(*http, "Bearer");
+  HttpClient client(*http, "Bearer", ended);
   if (auto opened = client.open(); !opened) return opened;
   if (spec.get) return checked(client.get(""));
   return checked(client.post("", {"Content-Type: application/json"},

@@ -50,9 +50,12 @@ Notifier::Notifier(NotifySpec spec, std::string station, const StoreAddress& sto
 }
 
 Notifier::~Notifier() {
-  rules_.close();
+  over_at_ = steady_now() + kFarewell;
   for (const auto& sender : senders_) sender->queue().close();
+  rules_.close();
 }
+
+bool Notifier::is_over() const { return steady_now() > over_at_.load(); }
 
 void Notifier::on_alarm(const StationAlarmStatus& alarm) { rules_.queue().put_newest(alarm); }
 
@@ -122,7 +125,7 @@ void Notifier::send(const NotifyTarget& target, BoundedQueue<Nothing>& queue) {
 std::optional<bool> Notifier::send_next(const NotifyTarget& target) {
   const auto message = outbox_.next(target.name, utc_now());
   if (!message) return std::nullopt;
-  const auto delivered = deliver(spec_.mail, target, *message);
+  const auto delivered = deliver(spec_.mail, target, *message, [this] { return is_over(); });
   const UtcTime now = utc_now();
   note(target.name, delivered ? "" : delivered.error(), now);
   if (delivered)
@@ -149,7 +152,7 @@ void Notifier::send_heartbeats(BoundedQueue<Nothing>& queue) {
   std::string before;
   do {
     if (!alive_()) continue;
-    const auto sent = beat(spec_.heartbeat, station_);
+    const auto sent = beat(spec_.heartbeat, station_, [this] { return is_over(); });
     ++(sent ? beats_ : failed_beats_);
     std::string error = sent ? "" : sent.error();
     if (!error.empty() && error != before) log_warning("notify", "heartbeat: " + error);

@@ -22,10 +22,12 @@ class Notifier {
  public:
   static constexpr std::size_t kMaxWaiting = 100'000;  // statuses; the oldest are dropped
 
+  static constexpr Duration kFarewell = std::chrono::seconds{2};
+
   // `alive`: whether the station works; without it no heartbeat is sent. Any thread.
   Notifier(NotifySpec spec, std::string station, const StoreAddress& store,
            std::function<bool()> alive);
-  ~Notifier();  // waits for a message that is in flight
+  ~Notifier();  // waits up to kFarewell, and a second, for messages in flight
   Notifier(const Notifier&) = delete;
   Notifier& operator=(const Notifier&) = delete;
 
@@ -51,6 +53,7 @@ class Notifier {
   void send(const NotifyTarget& target, BoundedQueue<Nothing>& queue);
   // Returns whether a message was delivered; empty if none is due.
   [[nodiscard]] std::optional<bool> send_next(const NotifyTarget& target);
+  [[nodiscard]] bool is_over() const;
   void note(const std::string& target, const std::string& error, UtcTime now);
   void send_heartbeats(BoundedQueue<Nothing>& queue);
 
@@ -60,6 +63,7 @@ class Notifier {
   Outbox outbox_;
   mutable std::mutex mutex_;
   std::map<std::string, TargetState> states_;
+  std::atomic<Instant> over_at_{kNever};  // messages in flight are given up
   std::atomic<std::uint64_t> beats_{0}, failed_beats_{0};
   // Last: their threads use the members above.
   std::vector<std::unique_ptr<Worker<Nothing>>> senders_;

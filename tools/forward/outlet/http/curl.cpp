@@ -9,6 +9,10 @@ namespace {
 
 constexpr long kConnectMs = 3'000;
 
+int on_progress(void* closure, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return (*static_cast<const std::function<bool()>*>(closure))() ? 1 : 0;
+}
+
 }  // namespace
 
 void set_common_options(CURL* curl, const char* protocols, Duration longest,
@@ -19,6 +23,14 @@ void set_common_options(CURL* curl, const char* protocols, Duration longest,
   curl_easy_setopt(curl, CURLOPT_TIMEOUT_MS,
                    static_cast<long>(longest / std::chrono::milliseconds{1}));
   if (!authority.empty()) curl_easy_setopt(curl, CURLOPT_CAINFO, authority.c_str());
+}
+
+void end_transfers_when(CURL* curl, const std::function<bool()>& ended) {
+  if (!ended) return;
+  curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
+  curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, on_progress);
+  // libcurl stores it as a void*, and on_progress does not change it
+  curl_easy_setopt(curl, CURLOPT_XFERINFODATA, const_cast<std::function<bool()>*>(&ended));
 }
 
 tl::expected<void, std::string> set_login(CURL* curl, const std::string& user,

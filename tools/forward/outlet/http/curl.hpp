@@ -3,6 +3,7 @@
 
 #include <curl/curl.h>
 
+#include <functional>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -21,6 +22,10 @@ struct FreeList {
 // file of authorities unless it is empty.
 void set_common_options(CURL* curl, const char* protocols, Duration longest,
                         const std::string& authority);
+
+// Ends a transfer within about a second after `ended` returns true. The function must outlive the
+// handle; an empty one is ignored.
+void end_transfers_when(CURL* curl, const std::function<bool()>& ended);
 
 // The password is the first line of the file. Fails with one line with the file.
 [[nodiscard]] tl::expected<void, std::string> set_login(CURL* curl, const std::string& user,

@@ -27,8 +27,8 @@ struct HttpClient::Handle {
   Secret token;
 };
 
-HttpClient::HttpClient(const HttpSpec& spec, std::string token_scheme)
-    : spec_(spec), token_scheme_(std::move(token_scheme)) {}
+HttpClient::HttpClient(const HttpSpec& spec, std::string token_scheme, std::function<bool()> ended)
+    : spec_(spec), token_scheme_(std::move(token_scheme)), ended_(std::move(ended)) {}
 
 HttpClient::~HttpClient() = default;
 
@@ -37,6 +37,7 @@ tl::expected<void, std::string> HttpClient::open() {
   CURL* const curl = handle->curl.get();
   if (curl == nullptr) return tl::make_unexpected("libcurl has no memory");
   set_common_options(curl, "http,https", spec_.acknowledgement, spec_.authority);
+  end_transfers_when(curl, ended_);
   curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, handle->error.data());
   curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
   if (!spec_.certificate.empty()) {
