@@ -56,6 +56,8 @@ test=(
   postgresql mosquitto mosquitto-clients
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
+  # a mail server with TLS and logins
+  python3-aiosmtpd
   # a consumer of Kafka
   kcat
   # a browser, for the station's page, and a terminal, for the screens

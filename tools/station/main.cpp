@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -18,6 +19,8 @@
 #include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
+#include "tools/station/notify/delivery.hpp"
+#include "tools/station/notify/message_text.hpp"
 #include "tools/station/settings/configuration.hpp"
 #include "tools/station/station.hpp"
 
@@ -37,6 +40,7 @@ struct Options {
   std::vector<std::string> interfaces;
   std::string security;
   bool check = false;
+  std::string notify_test;
 };
 
 std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Places& places) {
@@ -197,9 +201,38 @@ ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   return ExitCode::kBadConfiguration;
 }
 
+ExitCode check_notify(const StationSpec& spec, const Origin& origin) {
+  if (!spec.notify) return ExitCode::kOk;
+  const auto readable = check_files(*spec.notify);
+  if (readable) return ExitCode::kOk;
+  std::fputs(fmt::format("{}notify: {}\n", origin.of("notify"), readable.error()).c_str(), stderr);
+  return ExitCode::kBadConfiguration;
+}
+
+// Sends a test to the first recipient of a target, without the queue.
+ExitCode test_notify(const StationSpec& spec, const std::string& name) {
+  const auto& targets = spec.notify ? spec.notify->targets : std::vector<NotifyTarget>{};
+  const auto target = std::find_if(targets.begin(), targets.end(),
+                                   [&](const NotifyTarget& each) { return each.name == name; });
+  if (target == targets.end()) {
+    std::fputs(fmt::format("--notify-test: '{}' is not a target of 'notify'\n", name).c_str(),
+               stderr);
+    return ExitCode::kUsage;
+  }
+  const auto sent = deliver(spec.notify->mail, *target,
+                            test_row(*target, spec.name, fieldcast::read_clocks().utc));
+  if (sent) {
+    std::puts("the server has accepted the message");
+    return ExitCode::kOk;
+  }
+  std::fputs(fmt::format("{}: {}\n", name, sent.error()).c_str(), stderr);
+  return ExitCode::kCannotStart;
+}
+
 // Also prints successful checks, so that an empty output is never a success.
 ExitCode check(const StationSpec& spec, const Origin& origin) {
   const ExitCode joining = check_joining(spec, origin), key = check_key(spec, origin);
+  const ExitCode notify = check_notify(spec, origin);
   for (const fieldcast::DdsSite& site : spec.sites) {
     if (site.dds.without_security)
       std::fputs(
@@ -208,8 +241,9 @@ ExitCode check(const StationSpec& spec, const Origin& origin) {
           stderr);
   }
   if (joining != ExitCode::kOk) return joining;
-  if (key == ExitCode::kOk) std::puts("in order");
-  return key;
+  if (key != ExitCode::kOk) return key;
+  if (notify == ExitCode::kOk) std::puts("in order");
+  return notify;
 }
 
 ExitCode run(int argc, char** argv) {
@@ -247,6 +281,8 @@ ExitCode run(int argc, char** argv) {
       "join as the member whose folder this is (fieldcast secure add), instead of the "
       "configuration's");
   line.flag("--check", options.check, "only report the faults of the configuration");
+  line.text("--notify-test", options.notify_test,
+            "only send a test message to this target of 'notify'");
   if (const auto fault = line.parse_or_print(argc, argv))
     return *fault ? ExitCode::kUsage : ExitCode::kOk;
   fieldcast::Signals signals;
@@ -254,6 +290,7 @@ ExitCode run(int argc, char** argv) {
   const auto spec = spec_of(options, places);
   if (!spec) return ExitCode::kBadConfiguration;
   if (options.check) return check(*spec, Origin(options, places));
+  if (!options.notify_test.empty()) return test_notify(*spec, options.notify_test);
   fieldcast::open_log(spec->log.level);
   fieldcast::log_library_messages();
   ExitCode code = ExitCode::kCannotStart;

@@ -23,6 +23,7 @@
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/live_domain.hpp"
+#include "tools/station/notify/notifier.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/stream/stream_reader.hpp"
 #include "tools/station/web/site.hpp"
@@ -39,6 +40,8 @@ constexpr std::chrono::milliseconds kTurn{500};  // heartbeat of the io thread f
 // a missing server is reported only after this time
 constexpr std::chrono::seconds kServersReply{3};
 constexpr std::chrono::milliseconds kStopLimit{2500};  // for the farewell to pages
+// the io thread is expected to turn again within this time
+constexpr std::chrono::seconds kAliveLimit{10};
 constexpr Duration kFlushLimit = std::chrono::seconds{2};
 
 SessionStore::Secret random_secret() {
@@ -65,6 +68,7 @@ struct WebStation::State {
 
   void open_store();
   [[nodiscard]] std::optional<BackfillSpec> backfill() const;
+  void open_notifier(const StoreAddress& address);
   void join_domain();
   void open_site(std::unique_ptr<TlsServer> tls);
   [[nodiscard]] LoginCheck login_check();
@@ -84,6 +88,7 @@ struct WebStation::State {
   // In the order of start; each member uses the ones above.
   std::unique_ptr<Store> store;
   std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<Notifier> notifier;
   IoThread io{"web"};
   std::unique_ptr<asio::steady_timer> turning;
   std::unique_ptr<Database> database;
@@ -103,6 +108,7 @@ void WebStation::State::open_store() {
   make_store(address);
   store = std::make_unique<Store>(*spec.store);
   if (!spec.store->samples.empty()) recorder = std::make_unique<Recorder>(*store);
+  if (spec.notify) open_notifier(address);
   database = std::make_unique<Database>(
       address, [this](std::function<void()> task) { post(std::move(task)); });
   logins = std::make_unique<Authenticator>(address, *store);
@@ -114,14 +120,22 @@ std::optional<BackfillSpec> WebStation::State::backfill() const {
   return BackfillSpec{StoreAddress(spec.store->address), spec.backfill};
 }
 
+void WebStation::State::open_notifier(const StoreAddress& address) {
+  notifier = std::make_unique<Notifier>(*spec.notify, spec.name, address, [this] {
+    return steady_now() - Instant{Duration{turned.load()}} < kAliveLimit;
+  });
+}
+
 void WebStation::State::join_domain() {
+  std::function<void(const StationAlarmStatus&)> on_alarm;
+  if (notifier) on_alarm = [this](const StationAlarmStatus& alarm) { notifier->on_alarm(alarm); };
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
-                                        recorder.get(), backfill());
+                                        recorder.get(), backfill(), on_alarm);
   std::set<std::string> names;
   for (const DdsSite& one : spec.sites) names.insert(one.name);
   if (spec.stream)
     stream = std::make_unique<StreamReader>(*spec.stream, spec.name, std::move(names),
-                                            domain->inbox(), store.get(), recorder.get());
+                                            domain->inbox(), store.get(), recorder.get(), on_alarm);
   servers_from = steady_now() + kServersReply;
 }
 
@@ -188,6 +202,7 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
               .store = store.get(),
               .recorder = recorder.get(),
               .audit = store.get(),
+              .notifier = notifier.get(),
               .now = utc_now,
               .metrics = [this] { return metrics_of(*domain, stream.get(), *server); }});
 }
@@ -293,6 +308,8 @@ void WebStation::stop() {
     s.listener.reset();
   });
   s.io.run([] {});  // waits for tasks posted before
+  s.busy = "sending a notification";
+  s.notifier.reset();
   s.busy = "writing to the store";
   s.recorder.reset();
   if (s.store) (void)s.store->flush(kFlushLimit);

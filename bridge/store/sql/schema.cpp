@@ -178,6 +178,25 @@ create table pictures (
   height bigint not null, bytes bigint not null, content text not null, saved_by text not null,
   saved_at bigint not null) {clustered};
 )",
+    // Notifications of a station (notification_table.hpp).
+    R"(
+create table notify_progress (
+  rule text not null, bus text not null, device text not null, channel text not null,
+  limit_kind text not null, state smallint not null, occurrence bigint not null,
+  first_at bigint not null, last_at bigint not null, count bigint not null,
+  escalated bigint not null, returned smallint not null,
+  primary key (rule, bus, device, channel, limit_kind)) {clustered};
+create table notify_windows (
+  rule text not null, target text not null, start bigint not null, count bigint not null,
+  lines text not null, more bigint not null, primary key (rule, target)) {clustered};
+create table notifications (
+  id text primary key, target text not null, recipient text not null, made_at bigint not null,
+  subject text not null, content text not null, json text not null, state text not null,
+  attempts bigint not null, next_at bigint not null, done_at bigint not null,
+  error text not null);
+create index notifications_waiting on notifications (target, next_at) where state = 'waiting';
+create index notifications_made on notifications (made_at);
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

@@ -8,6 +8,9 @@ namespace fieldcast::test {
 
 // Reverts the changes of the later versions. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
+  if (version < 11)
+    connection.script(
+        "drop table notifications; drop table notify_windows; drop table notify_progress");
   if (version < 10) connection.script("drop table dashboards; drop table pictures");
   if (version < 9) connection.script("drop table bus_epochs");
   if (version < 8) connection.script("drop view quarantine_list; drop table quarantine");

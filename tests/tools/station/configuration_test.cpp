@@ -185,16 +185,100 @@ TEST(StationConfiguration, AnAddressToListenAtIsNotAName) {
   EXPECT_FALSE(listen_from("127.0.0.1"));
 }
 
-TEST(StationConfiguration, TheDocumentHasEveryKeyAsTheProgramKnowsIt) {
-  std::ifstream file(FIELDCAST_SOURCE "/docs/station.md");
+std::string document(const std::string& name) {
+  std::ifstream file(FIELDCAST_SOURCE "/docs/" + name);
   std::ostringstream text;
   text << file.rdbuf();
+  return text.str();
+}
+
+TEST(StationConfiguration, TheDocumentHasEveryKeyAsTheProgramKnowsIt) {
+  const std::string station = document("station.md"), notifications = document("notifications.md");
   for (const DocumentedKey& key : documented_keys()) {
     if (key.name == "web") continue;  // its keys are described there
     const std::string row =
         "| `" + key.name + "` | " + key.fallback + (key.fallback.empty() ? "| " : " | ") + key.text;
-    EXPECT_THAT(text.str(), HasSubstr(row));
+    EXPECT_THAT(key.name.starts_with("notify.") ? notifications : station, HasSubstr(row));
   }
+}
+
+constexpr std::string_view kNotify = R"(
+station: hall
+store: { path: s.db }
+notify:
+  link: https://station.plant/
+  mail: { server: "smtp://mail.plant:587", from: station@plant.example, user: u, password-file: p }
+  targets:
+    - { name: crew, mail: [ann@plant.example, bob@plant.example] }
+    - { name: chat, webhook: "https://chat.plant/hook?x=1", secret-file: k }
+  rules:
+    - name: night
+      to: [crew, chat]
+      patterns: ["press-shop", "hall/*/level"]
+      priority: high
+      hours: ["mon-fri 18:00-06:00", sat-sun]
+      delay: 30s
+      repeat: 15min
+      cleared: true
+      escalate: [{ after: 15min, to: [chat] }]
+  heartbeat: { url: "http://127.0.0.1:9/beat", every: 30s, method: get }
+)";
+
+std::string with(std::string_view before, std::string_view after) {
+  std::string text(kNotify);
+  const std::size_t at = text.find(before);
+  EXPECT_NE(at, text.npos) << before;
+  return text.replace(at, before.size(), after);
+}
+
+TEST(StationNotify, ReadsTargetsAndRules) {
+  const auto loaded = load(kNotify);
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  const NotifySpec& notify = *loaded->notify;
+  EXPECT_EQ(notify.link, "https://station.plant");
+  EXPECT_EQ(notify.keep, std::chrono::hours{24});
+  ASSERT_EQ(notify.targets.size(), 2u);
+  EXPECT_THAT(notify.targets[0].mail, ElementsAre("ann@plant.example", "bob@plant.example"));
+  EXPECT_EQ(notify.targets[1].webhook.server, "https://chat.plant/hook?x=1");
+  ASSERT_EQ(notify.rules.size(), 1u);
+  const NotifyRule& rule = notify.rules[0];
+  EXPECT_EQ(rule.priority, AlarmPriority::kHigh);
+  EXPECT_EQ(rule.patterns.size(), 2u);
+  EXPECT_EQ(rule.hours.size(), 2u);
+  EXPECT_EQ(rule.repeat, std::chrono::minutes{15});
+  ASSERT_EQ(rule.escalate.size(), 1u);
+  EXPECT_THAT(rule.escalate[0].to, ElementsAre("chat"));
+  EXPECT_TRUE(notify.heartbeat.get);
+  EXPECT_FALSE(load("station: hall\n")->notify);
+}
+
+TEST(StationNotify, EachFaultIsReportedAtItsPlace) {
+  const std::pair<std::string, const char*> cases[] = {
+      {with("store: { path: s.db }\n", ""), "without a store"},
+      {with("ann@plant.example", "ann@plant.example>\\r\\nBcc:x"), "is not a mail address"},
+      {with("[ann@plant.example, bob@plant.example]", "[ann]"), "'ann' is not a mail address"},
+      {with("to: [crew, chat]", "to: [crow]"), "'crow' is not a target"},
+      {with("to: [crew, chat]", "to: []"), "to names no target"},
+      {with("sat-sun", "saturday"), "'saturday' is not a time of the week"},
+      {with("priority: high", "priority: hihg"), "priority 'hihg' is unknown"},
+      {with("repeat: 15min", "repeat: 1s"), "repeat"},
+      {with("https://chat.plant", "http://chat.plant"), "off this machine and without TLS"},
+      {with("https://chat.plant", "https://me:secret@chat.plant"), "contains a login"},
+      {with("https://chat.plant", "ftp://chat.plant"), "does not begin with"},
+      {with("name: chat, ", "name: crew, "), "the name 'crew' appears twice"},
+      {with("smtp://mail", "http://mail"), "server does not begin with smtp://"},
+      {with("user: u, ", ""), "'password-file' without 'user'"},
+      {with("from: station@plant.example", "from: station"), "is not a mail address"},
+      {with("from: station@plant.example, ", ""), "from"},
+      {with("after: 15min, to: [chat] }",
+            "after: 15min, to: [chat] }, { after: 5min, to: [crew] }"),
+       "earlier than the one before"},
+      {with("url: \"http://127.0.0.1:9/beat\", ", ""), "one of 'url' and 'url-file'"},
+      {with("secret-file: k", "secret-file: missing"), "missing"},
+      {with("press-shop", "a/b/c/d"), "patterns"},
+  };
+  for (const auto& [text, expected] : cases)
+    EXPECT_THAT(faults(text), testing::Contains(HasSubstr(expected))) << text;
 }
 
 TEST(LocalRole, FollowsFileStoreAndUsers) {

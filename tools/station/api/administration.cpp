@@ -65,8 +65,8 @@ std::vector<Metric> metrics_of(const Database* database, const Store* store,
 
 void show_metrics(const Api& api, const HttpRequest&, const Caller&, const Reply& reply) {
   std::vector<Metric> all = metrics_of(api.database, api.store, api.recorder);
-  const std::vector<Metric> more = api.metrics();
-  all.insert(all.end(), more.begin(), more.end());
+  for (const std::vector<Metric>& more : {metrics_of(api.notifier), api.metrics()})
+    all.insert(all.end(), more.begin(), more.end());
   HttpResponse response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";
   response.body = metrics_text(all);

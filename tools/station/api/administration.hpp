@@ -9,6 +9,7 @@
 #include "bridge/store/records/records.hpp"
 #include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
+#include "tools/station/notify/notifier.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/web/logins.hpp"
 #include "tools/station/web/route_table.hpp"
@@ -26,6 +27,8 @@ struct Metric {
 
 [[nodiscard]] std::vector<Metric> metrics_of(const Database* database, const Store* store,
                                              const Recorder* recorder);
+// Of a null notifier: none.
+[[nodiscard]] std::vector<Metric> metrics_of(const Notifier* notifier);
 
 // Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
 // never the token. A peer that sends wrong tokens must wait.

@@ -15,6 +15,7 @@
 #include "tools/station/api/dashboards.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/notify/notifier.hpp"
 #include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
@@ -35,6 +36,7 @@ struct Api {
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
   Audit* audit = nullptr;
+  const Notifier* notifier = nullptr;  // null if nobody is notified
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
   std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
@@ -45,8 +47,8 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
                         const Reply& reply);
 
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
-    show_devices, show_history, show_metrics, show_openapi, show_plan, show_result, show_sessions,
-    show_sites, show_users, export_history;
+    show_devices, show_history, show_metrics, show_notifications, show_openapi, show_plan,
+    show_result, show_sessions, show_sites, show_users, export_history;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
@@ -85,6 +87,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/devices", Access::kViewer, show_devices},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
+    {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},
     {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
     {Method::kGet, "/api/picture", Access::kViewer, show_picture, true},
     {Method::kGet, "/api/pictures", Access::kViewer, list_pictures, true},

@@ -45,9 +45,11 @@ std::uint64_t first_version() {
 
 struct LiveDomain::State {
   State(boost::asio::io_context& context, const std::vector<DdsSite>& sites,
-        const std::string& name, const std::string& version, Audit* audit, Recorder* records)
+        const std::string& name, const std::string& version, Audit* audit, Recorder* records,
+        std::function<void(const StationAlarmStatus&)> observer)
       : io(context),
         recorder(records),
+        on_alarm(std::move(observer)),
         live{model, frames, interests, desk, [] { return read_clocks().utc; }, version},
         desk(context, port, audit,
              [this](const CommandOutcome& outcome) { hub.on_outcome(outcome); }),
@@ -59,8 +61,9 @@ struct LiveDomain::State {
   void give_memory_back();
 
   boost::asio::io_context& io;
-  Recorder* const recorder;                                   // called on DDS threads; may be null
-  std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
+  Recorder* const recorder;  // called on DDS threads; may be null
+  const std::function<void(const StationAlarmStatus&)> on_alarm;  // likewise
+  std::shared_ptr<bool> open = std::make_shared<bool>(true);      // posted tasks hold it weakly
   LiveModel model{first_version()};
   std::uint64_t trimmed_at = 0;  // number of forgotten channels at the last malloc_trim()
   FrameCache frames{model};
@@ -132,6 +135,7 @@ void LiveDomain::State::listen() {
       [this](const StationAlarmStatus& status) {
         inbox.put(live_alarm(status));
         if (recorder != nullptr) recorder->on_alarm_status(status, utc_now());
+        if (on_alarm) on_alarm(status);
       },
       remove_alarm);
   station.subscribe_channels(
@@ -151,8 +155,10 @@ void LiveDomain::State::listen() {
 
 LiveDomain::LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
                        const std::string& name, const std::string& version, Audit* audit,
-                       Recorder* recorder, const std::optional<BackfillSpec>& backfill)
-    : state_(std::make_unique<State>(io, sites, name, version, audit, recorder)) {
+                       Recorder* recorder, const std::optional<BackfillSpec>& backfill,
+                       std::function<void(const StationAlarmStatus&)> on_alarm)
+    : state_(
+          std::make_unique<State>(io, sites, name, version, audit, recorder, std::move(on_alarm))) {
   if (backfill) state_->back_filler.emplace(*backfill, state_->station, *recorder);
   state_->listen();
   state_->watch();

@@ -3,6 +3,7 @@
 // `audit` and the tap must outlive it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,10 +23,12 @@ namespace fieldcast::web {
 class LiveDomain {
  public:
   // Joins the domains of all sites. Throws DdsError. `audit` and `recorder` may be null, and must
-  // outlive this object. `backfill` needs a recorder.
+  // outlive this object. `backfill` needs a recorder. `on_alarm` is called on threads of DDS and
+  // must not block.
   LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
              const std::string& name, const std::string& version, Audit* audit = nullptr,
-             Recorder* recorder = nullptr, const std::optional<BackfillSpec>& backfill = {});
+             Recorder* recorder = nullptr, const std::optional<BackfillSpec>& backfill = {},
+             std::function<void(const StationAlarmStatus&)> on_alarm = {});
   ~LiveDomain();
   LiveDomain(const LiveDomain&) = delete;
   LiveDomain& operator=(const LiveDomain&) = delete;

@@ -14,7 +14,9 @@
 #include "config/sections/store.hpp"
 #include "core/model/channel_pattern.hpp"
 #include "tools/forward/settings/connection_keys.hpp"
+#include "tools/station/settings/notify_keys.hpp"
 #include "tools/station/settings/origin_check.hpp"
+#include "tools/station/settings/text_list.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -27,7 +29,6 @@ using config::Node;
 using config::Rows;
 
 constexpr int kUsualPort = 8090;
-constexpr std::size_t kMaxTexts = 64;  // entries of a list of names or sites
 
 constexpr std::pair<std::string_view, LocalRole> kLocalRoles[] = {
     {"none", LocalRole::kNone},
@@ -39,31 +40,6 @@ struct RecordSpec {
   std::vector<std::string> patterns{"*"};
   Duration backfill = StationSpec{}.backfill;
 };
-
-// `fault(text)` returns what is wrong, or an empty text.
-template <typename Fault>
-void read_texts(MapReader& map, std::string_view key, std::string_view form,
-                std::vector<std::string>& target, Fault fault) {
-  const Node* node = map.find(key);
-  if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.size() > kMaxTexts) {
-    const bool list = node->kind == Kind::kList;
-    map.faults().add(
-        node->position,
-        fmt::format("{} is {}", key, list ? "too long" : std::string(config::to_text(node->kind))),
-        fmt::format("a list of up to {}, each {}", kMaxTexts, form),
-        node->kind == Kind::kScalar ? fmt::format("[\"{}\"]", node->text) : "");
-    return;
-  }
-  target.clear();
-  for (const Node* item : node->items) {
-    const std::string* text = config::scalar_of(*item, key, form, map.faults());
-    if (text == nullptr) continue;
-    if (const std::string wrong = fault(*text); !wrong.empty())
-      map.faults().add(item->position, wrong, std::string(form));
-    target.push_back(*text);
-  }
-}
 
 std::string fault_of_host(const std::string& text) {
   return is_host_name(text) ? "" : fmt::format("hosts: '{}' is no name of a host", text);
@@ -172,6 +148,10 @@ const Rows<StationSpec>& station_rows() {
                 "sites whose `fieldcast-forward` sends to NATS JetStream: `servers`, ..; without "
                 "`dds` and `sites`, no DDS domain is joined",
             .schema = "{}"}},
+          {{.name = "notify",
+            .fallback = "nobody is notified",
+            .text = "mails, webhooks and a heartbeat, see notifications.md; needs `store`",
+            .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},
           {{.name = "store",
@@ -271,8 +251,9 @@ std::vector<Exposure> exposures_of(const StationSpec& spec) {
 LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                 const config::FileReader& reader,
                                 const std::optional<ListenSpec>& listen, config::Places* places) {
-  if (!config::is_empty(text) && !config::has_top_key(text, {"station", "dds", "log", "web",
-                                                             "store", "record", "sites", "stream"}))
+  if (!config::is_empty(text) &&
+      !config::has_top_key(
+          text, {"station", "dds", "log", "web", "store", "record", "sites", "stream", "notify"}))
     return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
   const std::shared_ptr<const config::Document> document =
@@ -290,6 +271,7 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     read_log(file, spec.log);
     read_store(file, spec.store);
     read_record(file, spec);
+    read_notify(file, library, spec.notify);
     read_web(file, spec, library, listen);
   } else if (faults.empty()) {
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));
@@ -329,6 +311,7 @@ std::vector<DocumentedKey> documented_keys() {
   add("web.", web_rows());
   add("record.", record_rows());
   add("stream.", stream_rows());
+  for (const auto& [prefix, table] : notify_tables()) add(prefix, *table);
   return all;
 }
 

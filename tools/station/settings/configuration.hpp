@@ -12,6 +12,7 @@
 #include "core/access/login.hpp"
 #include "core/model/spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
+#include "tools/station/notify/notify_spec.hpp"
 
 namespace fieldcast::web {
 
@@ -35,6 +36,7 @@ struct StationSpec {
   WebSpec web;
   // `samples` has the patterns of the recorded channels; an empty list records nothing.
   std::optional<StoreSpec> store;
+  std::optional<NotifySpec> notify;
   Duration backfill = std::chrono::hours{24};  // of the record; 0: missing samples stay missing
 };
 

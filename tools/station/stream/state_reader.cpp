@@ -17,10 +17,12 @@ constexpr int kMostAtOnce = 1000;  // entries or alarms of one turn
 
 class StateReader {
  public:
-  StateReader(StreamShared& shared, DomainInbox& inbox, Recorder* recorder)
+  StateReader(StreamShared& shared, DomainInbox& inbox, Recorder* recorder,
+              const std::function<void(const StationAlarmStatus&)>& on_alarm)
       : shared_(shared),
         inbox_(inbox),
         recorder_(recorder),
+        on_alarm_(on_alarm),
         session_(shared.spec, "fieldcast-station " + shared.station + " state", true),
         reader_(shared, session_, true) {}
 
@@ -100,6 +102,7 @@ class StateReader {
         pass_states(true);
       inbox_.put(live_alarm(*alarm));
       if (recorder_ != nullptr) recorder_->on_alarm_status(*alarm, read_clocks().utc);
+      if (on_alarm_) on_alarm_(*alarm);
     }
   }
 
@@ -119,6 +122,7 @@ class StateReader {
   StreamShared& shared_;
   DomainInbox& inbox_;
   Recorder* const recorder_;
+  const std::function<void(const StationAlarmStatus&)>& on_alarm_;
   NatsSession session_;
   MessageReader reader_;
   std::uint64_t generation_ = 0;
@@ -131,8 +135,9 @@ class StateReader {
 
 }  // namespace
 
-void run_state(StreamShared& shared, DomainInbox& inbox, Recorder* recorder) {
-  StateReader(shared, inbox, recorder).run();
+void run_state(StreamShared& shared, DomainInbox& inbox, Recorder* recorder,
+               const std::function<void(const StationAlarmStatus&)>& on_alarm) {
+  StateReader(shared, inbox, recorder, on_alarm).run();
 }
 
 }  // namespace fieldcast::web

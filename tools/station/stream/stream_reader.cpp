@@ -15,14 +15,17 @@ struct StreamReader::State {
 
 StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
                            std::set<std::string> taken, DomainInbox& inbox, Store* store,
-                           Recorder* recorder)
+                           Recorder* recorder,
+                           std::function<void(const StationAlarmStatus&)> on_alarm)
     : state_(std::make_unique<State>()) {
   StreamShared& shared = state_->shared;
   shared.spec = spec;
   shared.station = station;
   shared.taken = std::move(taken);
   const bool records = store != nullptr && recorder != nullptr;
-  state_->threads.emplace_back([&shared, &inbox, recorder] { run_state(shared, inbox, recorder); });
+  state_->threads.emplace_back([&shared, &inbox, recorder, on_alarm = std::move(on_alarm)] {
+    run_state(shared, inbox, recorder, on_alarm);
+  });
   state_->threads.emplace_back([&shared, &inbox, records] { run_live(shared, inbox, !records); });
   if (records) state_->threads.emplace_back([&shared, store] { run_record(shared, *store); });
 }

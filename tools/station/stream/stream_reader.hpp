@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -19,9 +20,11 @@ class StreamReader {
  public:
   // `station`: its name, which names its position in the stream. `taken`: names of its DDS sites,
   // which a site of the stream may not have. `store` and `recorder` are null if nothing is
-  // recorded. All must outlive this object.
+  // recorded. All must outlive this object. `on_alarm` is called on a thread of this
+  // object and must not block.
   StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
-               std::set<std::string> taken, DomainInbox& inbox, Store* store, Recorder* recorder);
+               std::set<std::string> taken, DomainInbox& inbox, Store* store, Recorder* recorder,
+               std::function<void(const StationAlarmStatus&)> on_alarm = {});
   // Waits for the threads, a few seconds if a server does not respond.
   ~StreamReader();
   StreamReader(const StreamReader&) = delete;

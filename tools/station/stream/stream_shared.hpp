@@ -84,7 +84,8 @@ class DomainInbox;
 class Recorder;
 void run_live(StreamShared& shared, DomainInbox& inbox, bool counts);
 void run_record(StreamShared& shared, Store& store);
-void run_state(StreamShared& shared, DomainInbox& inbox, Recorder* recorder);
+void run_state(StreamShared& shared, DomainInbox& inbox, Recorder* recorder,
+               const std::function<void(const StationAlarmStatus&)>& on_alarm);
 
 // A consumer of one thread that delivers in order from the last message of each subject, or all.
 enum class StartWith : std::uint8_t { kLastOfEachSubject, kAll };

@@ -244,6 +244,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/sessions': () => [200, plant.sessions], '/api/bridges': () => [200, plant.bridges],
     '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarmEvents() } : { alarms: plant.alarms }],
     '/api/history': (url) => [200, history(url)],
+    '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], messages: [] }],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
     ...dashboards.get,

@@ -11,9 +11,9 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes, texts: configurationTexts } =
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
   await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture',
-    'device_health', 'port_command', 'printable', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
+    'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
 const sample = (id, value, more = {}) => ({ id, value, text: null, acquired_ms: Date.now() - 40, quality: 0, ...more });
@@ -36,6 +36,32 @@ test('the rate of a programming session is that of its last two reports', () => 
   assert.equal(rate(5000), 0);
   made.setSession(report({ since_ms: 9000, bytes_to_device: 7 }), 9000);
   assert.equal(rate(9000), 0);
+});
+
+test('the browser is notified once of each alarm that becomes unacknowledged', () => {
+  globalThis.window = { Notification: {}, isSecureContext: true };
+  globalThis.Notification = { permission: 'granted' };
+  const kept = globalThis.localStorage;
+  globalThis.localStorage = { ...kept, getItem: (key) => (key === 'fieldcast.notices' ? 'on' : null) };
+  const shown = [];
+  const notices = new browser_notices.BrowserNotices((title, options, address) => shown.push([title, options.tag, address]));
+  const alarm = (channel, more) => ({ bus: 'one', device: 'plc', channel, limit: 'high', priority: 'critical', state: 'unacknowledged', since_ms: 5, suppressed: '', shelved_until_ms: null, ...more });
+  notices.see(alarm('old'), 1000);  // was there when the page was opened
+  notices.see(alarm('old'), 9000);
+  notices.see(alarm('a/b'), 9000);
+  notices.see(alarm('a/b'), 9100);
+  notices.see(alarm('quiet', { suppressed: 'maintenance' }), 9100);
+  notices.see(alarm('shelved', { shelved_until_ms: 10000 }), 9100);
+  assert.deepEqual(shown, [['critical: one/plc/a/b high', 'one/plc/a/b/high', '#/alarms?alarm=one%2Fplc%2Fa%2Fb%2Fhigh']]);
+  notices.see(alarm('a/b', { state: 'acknowledged' }), 9200);
+  notices.see(alarm('a/b', { since_ms: 9300 }), 9300);  // raised again
+  assert.equal(shown.length, 2);
+  for (let i = 0; i < 5; ++i) notices.see(alarm(`c${i}`), 9400);
+  assert.deepEqual(shown.slice(3).map(([title, tag]) => [title, tag]), [4, 5, 6, 7].map((n) => [`${n} new alarms`, 'fieldcast']));
+  globalThis.Notification.permission = 'denied';
+  notices.see(alarm('d'), 60000);
+  assert.equal(shown.length, 7);
+  globalThis.localStorage = kept;
 });
 
 test('marks that turn the writing direction are shown escaped', () => {

@@ -116,6 +116,21 @@ test('an alarm is acknowledged by keys, with a note', { skip }, async () => {
   await page.context().close();
 });
 
+test('the link of a message leads to its alarm, and messages that failed are listed', { skip }, async () => {
+  const page = await open('#/alarms?alarm=press-shop%2Fdevice-01%2Fpressure-1%2Flow');
+  assert.equal(await page.inputValue('input.filter'), 'press-shop/device-01/pressure-1');
+  mock.plant.messages = { waiting: 1, sent: 0, failed: 3, lost: 2, targets: [{ name: 'crew', kind: 'mail', sent_ms: null, error: 'no route' }],
+    messages: [{ id: 'a', target: 'crew', recipient: 'ann@plant.example', subject: 'ALARM <b>x</b>', state: 'waiting', made_ms: Date.now(), done_ms: null, attempts: 3, error: 'no route' }] };
+  await page.click('button:has-text("Messages")');
+  await page.waitForSelector('dialog td');
+  const text = await page.textContent('dialog');
+  for (const part of ['Waiting: 1, lost: 2', '▲ crew', 'ann@plant.example', 'ALARM <b>x</b>', 'waiting (3×) no route']) assert.ok(text.includes(part), `${part}: ${text}`);
+  assert.deepEqual(await browser.axe(page), []);
+  await page.keyboard.press('Enter');
+  await until(async () => await page.locator('dialog').count() === 0, 'the dialog is closed');
+  await page.context().close();
+});
+
 test('alarms are shelved with an end, and taken back', { skip }, async () => {
   const page = await open('#/alarms');
   await page.getByRole('checkbox', { name: /temperature-1/ }).check();

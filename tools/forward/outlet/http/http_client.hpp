@@ -2,6 +2,7 @@
 // thread.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -19,8 +20,9 @@ struct HttpResponse {
 
 class HttpClient {
  public:
-  // `token_scheme`: the word before a token in the header Authorization, as "Bearer".
-  HttpClient(const HttpSpec& spec, std::string token_scheme);
+  // `token_scheme`: the word before a token in the header Authorization, as "Bearer". `ended`: a
+  // request fails within about a second after it returns true.
+  HttpClient(const HttpSpec& spec, std::string token_scheme, std::function<bool()> ended = {});
   ~HttpClient();
 
   // Reads the files of the login. Fails with one line with the file, without secrets.
@@ -29,11 +31,16 @@ class HttpClient {
   // is no response. REQUIRES: open() succeeded.
   [[nodiscard]] tl::expected<HttpResponse, std::string> post(
       const std::string& path, const std::vector<std::string>& headers, std::string_view body);
+  // As post(). Neither follows a redirect.
+  [[nodiscard]] tl::expected<HttpResponse, std::string> get(const std::string& path);
 
  private:
   struct Handle;
+  [[nodiscard]] tl::expected<HttpResponse, std::string> perform(
+      const std::string& path, const std::vector<std::string>& headers);
   const HttpSpec spec_;
   const std::string token_scheme_;
+  const std::function<bool()> ended_;
   std::unique_ptr<Handle> handle_;
 };
 

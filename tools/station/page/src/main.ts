@@ -2,6 +2,7 @@
 // paints them, so a fast plant costs at most one painting for each frame of the screen.
 
 import { request } from './api';
+import { BrowserNotices, showNotice } from './browser_notices';
 import type { Change, Context, Page } from './context';
 import { setLanguage, t } from './i18n';
 import { nextTurn } from './kiosk';
@@ -124,6 +125,8 @@ async function start(): Promise<void> {
 }
 
 plant.onChange = schedule;
+const notices = new BrowserNotices(showNotice);
+plant.onAlarm = (alarm) => notices.see(alarm, connection.now());
 meter.now = () => connection.now();
 connection.onLoginRequired = () => {
   connection.stop();

@@ -68,6 +68,7 @@ export class Plant {
   readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
   readonly changed = new Set<Topic>();  // since the last painting
   onChange: () => void = () => {};
+  onAlarm: (alarm: Alarm) => void = () => {};  // also while nothing is painted
   onValue: ((id: number) => void) | undefined;  // for a page that needs every sample of a channel
   watched = -1;  // the id for onValue
   private waiting: (ArrayBuffer | Record<string, unknown>)[] | undefined = [];
@@ -183,6 +184,7 @@ export class Plant {
   setAlarm(alarm: Alarm): void {
     if (alarm.state === 'clear' && !alarm.active && !alarm.shelved_until_ms && !alarm.suppressed) this.alarms.delete(alarmKey(alarm));
     else this.alarms.set(alarmKey(alarm), alarm);
+    this.onAlarm(alarm);
     this.touch('alarms');
   }
 

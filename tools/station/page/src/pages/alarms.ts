@@ -4,6 +4,7 @@ import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
 import { alarmHistory } from '../alarm_history';
+import { canNotify, chooseNotices, isNotifying } from '../browser_notices';
 import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
 import type { AlarmChoice, Section } from '../alarm_rows';
 import type { Change, Context, MakePage } from '../context';
@@ -12,6 +13,7 @@ import { t, word } from '../i18n';
 import type { Key } from '../i18n';
 import { ListTable } from '../list';
 import { html } from '../markup';
+import { showMessages } from '../message_list';
 import { alarmKey } from '../plant';
 import { channelLink } from '../router';
 import { tabbedPage } from '../tabs';
@@ -51,6 +53,11 @@ export const texts = {
   'event.maintenance ended': ['maintenance ended', '维护结束'], 'event.chattering': ['chattering', '开始抖动'],
   'event.chattering ended': ['chattering ended', '抖动结束'], 'range.span': ['Span', '时段'], 'range.from': ['From', '从'], 'range.to': ['To', '到'],
   'range.show': ['Show', '显示'], 'range.csv': ['CSV', 'CSV'], 'range.found': ['{n} entries', '{n} 条'],
+  'alarms.notify': ['Notify in this browser', '在此浏览器中通知'], 'alarms.notify-refused': ['The browser does not allow notifications of this page.', '浏览器不允许此页面发送通知。'],
+  'alarms.notice-many': ['{n} new alarms', '{n} 条新报警'], 'alarms.messages': ['Messages', '通知消息'],
+  'alarms.message-counts': ['Waiting: {waiting}, lost: {lost}', '等待：{waiting}，丢失：{lost}'],
+  'alarms.message-none-sent': ['nothing sent yet', '尚未发送'], 'alarms.message-nobody': ['The station notifies nobody.', '此监控站未配置通知。'],
+  'message.waiting': ['waiting', '等待'], 'message.sent': ['sent', '已发送'], 'message.expired': ['expired', '已过期'], 'message.dropped': ['dropped', '已丢弃'],
   'range.most': ['the newest {n} entries', '最新的 {n} 条'], 'range.wrong': ['The end must be behind the begin.', '结束时间必须晚于开始时间。'],
 } as const;
 
@@ -89,6 +96,8 @@ class PresentAlarms {
 
   constructor(private readonly context: Context) {
     this.tools.className = 'tools';
+    // The address in a message: the path and the limit of one alarm.
+    this.choice.filter = (context.route.query.get('alarm') ?? '').split('/').slice(0, 3).join('/');
     this.element.className = 'present';
     const now = (): number => context.now();
     this.list = new ListTable<Alarm>({
@@ -163,6 +172,12 @@ class PresentAlarms {
     this.draw();
   }
 
+  private readonly chooseNotices = async (event: Event): Promise<void> => {
+    const { checked } = event.target as HTMLInputElement;
+    if (!await chooseNotices(checked) && checked) this.context.say(t('alarms.notify-refused'), true);
+    this.draw();
+  };
+
   private toggle(alarm: Alarm): void {
     const key = alarmKey(alarm);
     if (!this.checked.delete(key)) this.checked.add(key);
@@ -197,6 +212,7 @@ class PresentAlarms {
         spellcheck="false" autocapitalize="none" @input=${filter}>
       <span class="choice-row" role="group" aria-label=${t('alarms.state')}>${tab(undefined, t('alarms.all'), total)}
         ${sections.map((section) => tab(section, t(`alarms.section-${section}` as Key), this.counts[section]))}</span>
+      ${canNotify() ? html`<label class="notices"><input type="checkbox" .checked=${isNotifying()} @change=${this.chooseNotices}> ${t('alarms.notify')}</label>` : nothing}
       ${this.context.mayOperate() ? this.buttons() : nothing}`, this.tools);
     this.element.classList.toggle('none', !this.list.items.length);
     let note = this.element.querySelector('.nothing');
@@ -213,6 +229,7 @@ class PresentAlarms {
     const button = (text: string, key: string, n: number, act: () => Promise<void>, primary = false): TemplateResult => html`<button type="button"
       class=${primary && n ? 'primary' : ''} ?disabled=${!n} @click=${() => void act()}>${text}${n > 1 ? ` (${n})` : ''} <kbd>${key}</kbd></button>`;
     return html`<span class="acts">
+      <button type="button" class="plain" @click=${() => void showMessages()}>${t('alarms.messages')}</button>
       <button type="button" ?disabled=${!this.counts.unacknowledged} @click=${this.toggleAll}>${t('alarms.check-all')}</button>
       ${button(t('alarms.acknowledge'), 'a', this.chosen(this.mayAcknowledge).length, () => this.acknowledge(), true)}
       ${button(t('alarms.shelve'), 's', this.chosen(this.mayShelve).length, () => this.shelve())}

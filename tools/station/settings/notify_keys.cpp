@@ -1,0 +1,413 @@
+#include "tools/station/settings/notify_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "tools/forward/settings/login_keys.hpp"
+#include "tools/forward/settings/server_address.hpp"
+#include "tools/station/settings/text_list.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using config::DurationRule;
+using config::field;
+using config::MapReader;
+using config::Rows;
+using std::chrono::hours;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+constexpr std::size_t kMaxTargets = 16, kMaxRules = 64, kMaxEscalations = 8;
+constexpr std::size_t kMaxAddress = 254;  // of a mailbox, RFC 5321
+
+constexpr std::pair<std::string_view, AlarmPriority> kPriorities[] = {
+    {"low", AlarmPriority::kLow},
+    {"medium", AlarmPriority::kMedium},
+    {"high", AlarmPriority::kHigh},
+    {"critical", AlarmPriority::kCritical}};
+constexpr std::pair<std::string_view, bool> kMethods[] = {{"post", false}, {"get", true}};
+constexpr std::string_view kTextList = R"({ "type": "array", "items": { "type": "string" } })";
+
+template <class Owner>
+config::Field<Owner> plain(const char* name, const char* fallback, const char* text,
+                           std::string_view schema = "{}") {
+  return {{.name = name, .fallback = fallback, .text = text, .schema = std::string(schema)}};
+}
+
+const Rows<NotifySpec>& notify_rows() {
+  static const Rows<NotifySpec> rows(
+      "notify", "'notify'",
+      {
+          field<NotifySpec>({.name = "link",
+                             .fallback = "none",
+                             .text = "address of the page, such as `https://station.plant`, for "
+                                     "the links in messages"},
+                            &NotifySpec::link, config::TextRule{config::kMaxPath}),
+          field<NotifySpec>({.name = "keep",
+                             .fallback = "`1d`",
+                             .text = "a message that cannot be sent in this time is given up"},
+                            &NotifySpec::keep, DurationRule{minutes{1}, hours{24 * 30}}),
+          field<NotifySpec>({.name = "queue",
+                             .fallback = "`10000`",
+                             .text = "waiting messages; beyond them, the oldest is dropped"},
+                            &NotifySpec::queue, config::WholeRule{10, 1'000'000}),
+          plain<NotifySpec>("mail", "none", "the mail server: `server`, .."),
+          plain<NotifySpec>("targets", "[]", "who is notified: a list of maps, each with a `name`"),
+          plain<NotifySpec>("rules", "[]", "when: a list of maps, each with a `name` and `to`"),
+          plain<NotifySpec>("heartbeat", "none",
+                            "requests to a server that notices their absence: `url`, .."),
+      },
+      "Notifies of alarms by mail and webhook.");
+  return rows;
+}
+
+const Rows<MailSpec>& mail_rows() {
+  static const Rows<MailSpec> rows(
+      "mail", "'mail'",
+      {
+          field<MailSpec>({.name = "server",
+                           .fallback = std::string(config::kNeeded),
+                           .text = "`smtp://HOST:PORT` with STARTTLS, or `smtps://HOST:PORT`"},
+                          &MailSpec::server, config::TextRule{config::kMaxPath}),
+          field<MailSpec>({.name = "from",
+                           .fallback = std::string(config::kNeeded),
+                           .text = "mail address of the sender"},
+                          &MailSpec::from, config::TextRule{kMaxAddress}),
+          plain<MailSpec>("authority", "those of the system",
+                          "a PEM file with the authorities of the server's certificate"),
+          field<MailSpec>({.name = "user", .fallback = "none", .text = "with `password-file`"},
+                          &MailSpec::user, config::TextRule{256}),
+          plain<MailSpec>("password-file", "none", "a file whose first line is the password"),
+          field<MailSpec>(
+              {.name = "without-tls",
+               .fallback = "`false`",
+               .text = "sends mails and the login without TLS, readable in the network"},
+              &MailSpec::without_tls, config::FlagRule{}),
+      },
+      "The mail server.");
+  return rows;
+}
+
+const Rows<NotifyTarget>& target_rows() {
+  static const Rows<NotifyTarget> rows(
+      "target", "a target",
+      {
+          field<NotifyTarget>({.name = "name",
+                               .fallback = std::string(config::kNeeded),
+                               .text = "by which rules name it"},
+                              &NotifyTarget::name, config::NameRule{}),
+          plain<NotifyTarget>("mail", "none", "mail addresses; each gets a mail of its own",
+                              kTextList),
+          field<NotifyTarget>(
+              {.name = "webhook",
+               .fallback = "none",
+               .text = "`https://HOST:PORT/PATH` that receives each message as JSON by POST"},
+              [](NotifyTarget& target) -> std::string& { return target.webhook.server; },
+              config::TextRule{config::kMaxPath}),
+          plain<NotifyTarget>("webhook-file", "none",
+                              "a file whose first line is the URL, if the URL is a secret"),
+          plain<NotifyTarget>("secret-file", "not signed",
+                              "a file whose first line is the key of the signature"),
+          plain<NotifyTarget>("token-file", "none",
+                              "a file whose first line is the token of `Authorization: Bearer`"),
+          plain<NotifyTarget>("authority", "those of the system",
+                              "a PEM file with the authorities of the server's certificate"),
+          field<NotifyTarget>(
+              {.name = "without-tls",
+               .fallback = "`false`",
+               .text = "allows `http://` off this machine: messages are readable in the network"},
+              [](NotifyTarget& target) -> bool& { return target.webhook.without_tls; },
+              config::FlagRule{}),
+      },
+      "A person, a group or a program that is notified.", {"mail", "webhook", "webhook-file"});
+  return rows;
+}
+
+const Rows<Escalation>& escalation_rows() {
+  static const Rows<Escalation> rows(
+      "escalation", "an escalation",
+      {
+          field<Escalation>({.name = "after",
+                             .fallback = std::string(config::kNeeded),
+                             .text = "the first message, if nobody has acknowledged the alarm",
+                             .example = "after: 15min"},
+                            &Escalation::after, DurationRule{minutes{1}, hours{24 * 7}}),
+          plain<Escalation>("to", "needed", "names of targets", kTextList),
+      },
+      "Further targets for an alarm that nobody acknowledges.");
+  return rows;
+}
+
+const Rows<NotifyRule>& rule_rows() {
+  static const Rows<NotifyRule> rows(
+      "rule", "a rule",
+      {
+          field<NotifyRule>({.name = "name",
+                             .fallback = std::string(config::kNeeded),
+                             .text = "in messages; a renamed rule is a new one"},
+                            &NotifyRule::name, config::NameRule{}),
+          plain<NotifyRule>("to", "needed", "names of targets", kTextList),
+          plain<NotifyRule>("patterns", "[\"*\"]: all",
+                            "patterns `BUS/DEVICE/CHANNEL` of the channels", kTextList),
+          field<NotifyRule>({.name = "priority",
+                             .fallback = "`low`: all",
+                             .text = "the least priority of an alarm"},
+                            &NotifyRule::priority, config::ChoiceRule<AlarmPriority>{kPriorities}),
+          plain<NotifyRule>("hours", "always",
+                            "such as `mon-fri 18:00-06:00` or `sat-sun`, in local time; outside of "
+                            "them messages wait",
+                            kTextList),
+          field<NotifyRule>({.name = "delay",
+                             .fallback = "`0s`",
+                             .text = "an alarm that ends or is acknowledged before is not sent"},
+                            &NotifyRule::delay, DurationRule{Duration{}, hours{24}}),
+          field<NotifyRule>({.name = "repeat",
+                             .fallback = "never",
+                             .text = "time between messages until somebody acknowledges the alarm"},
+                            &NotifyRule::repeat, DurationRule{minutes{1}, hours{24 * 7}}),
+          field<NotifyRule>({.name = "repeats", .fallback = "`10`", .text = "of an alarm, at most"},
+                            &NotifyRule::repeats, config::WholeRule{1, 1000}),
+          field<NotifyRule>({.name = "cleared",
+                             .fallback = "`false`",
+                             .text = "also sends the end of an alarm whose start was sent"},
+                            &NotifyRule::cleared, config::FlagRule{}),
+          plain<NotifyRule>("escalate", "[]", "a list of `{ after: 15min, to: [NAME] }`"),
+          field<NotifyRule>({.name = "digest",
+                             .fallback = "`10`",
+                             .text = "messages to a target in `digest-within`; further ones become "
+                                     "one message; `0`: never"},
+                            &NotifyRule::digest, config::WholeRule{0, 1000}),
+          field<NotifyRule>({.name = "digest-within",
+                             .fallback = "`5min`",
+                             .text = "from the first message; the digest is sent at its end"},
+                            &NotifyRule::digest_within, DurationRule{seconds{10}, hours{24}}),
+      },
+      "Which alarms are sent to whom, and when.");
+  return rows;
+}
+
+const Rows<HeartbeatSpec>& heartbeat_rows() {
+  static const Rows<HeartbeatSpec> rows(
+      "heartbeat", "'heartbeat'",
+      {
+          field<HeartbeatSpec>(
+              {.name = "url",
+               .fallback = "none",
+               .text = "`https://HOST:PORT/PATH` that is requested while the station works"},
+              [](HeartbeatSpec& spec) -> std::string& { return spec.http.server; },
+              config::TextRule{config::kMaxPath}),
+          plain<HeartbeatSpec>("url-file", "none",
+                               "a file whose first line is the URL, if the URL is a secret"),
+          field<HeartbeatSpec>(
+              {.name = "every", .fallback = "`1min`", .text = "time between requests"},
+              &HeartbeatSpec::every, DurationRule{seconds{1}, hours{24}}),
+          field<HeartbeatSpec>({.name = "method", .fallback = "`post`", .text = "of the requests"},
+                               &HeartbeatSpec::get, config::ChoiceRule<bool>{kMethods}),
+          plain<HeartbeatSpec>("authority", "those of the system",
+                               "a PEM file with the authorities of the server's certificate"),
+          field<HeartbeatSpec>(
+              {.name = "without-tls",
+               .fallback = "`false`",
+               .text = "allows `http://` off this machine"},
+              [](HeartbeatSpec& spec) -> bool& { return spec.http.without_tls; },
+              config::FlagRule{}),
+      },
+      "Requests by whose absence a server notices that the station has failed.",
+      {"url", "url-file"});
+  return rows;
+}
+
+std::string fault_of_address(const std::string& text) {
+  const std::size_t at = text.find('@');
+  const bool good = at != 0 && at != text.npos && at + 1 < text.size() &&
+                    text.find('@', at + 1) == text.npos && text.size() <= kMaxAddress &&
+                    std::all_of(text.begin(), text.end(), [](unsigned char c) {
+                      return c > ' ' && c < 0x7F &&
+                             std::string_view("<>(),;:\\\"[]").find(static_cast<char>(c)) ==
+                                 std::string_view::npos;
+                    });
+  return good ? "" : fmt::format("'{}' is not a mail address", text);
+}
+
+struct UrlForm {
+  std::string_view plain, tls, example;
+  bool is_plain_safe = false;  // the plain scheme starts TLS too
+};
+constexpr UrlForm kHttp{"http://", "https://", "https://HOST:PORT/PATH"};
+constexpr UrlForm kSmtp{"smtp://", "smtps://", "smtp://HOST:587", true};
+
+void check_url(MapReader& map, std::string_view key, const std::string& url, const UrlForm& form,
+               bool without_tls) {
+  const bool tls = url.starts_with(form.tls);
+  if (!tls && !url.starts_with(form.plain))
+    return map.fault(key, fmt::format("{} does not begin with {} or {}", key, form.plain, form.tls),
+                     form.example);
+  const std::string rest = url.substr(tls ? form.tls.size() : form.plain.size());
+  const std::string place = rest.substr(0, rest.find_first_of("/?#"));
+  if (place.find('@') != place.npos)
+    return map.fault(key, fmt::format("{} contains a login", key),
+                     "the login belongs to a file that only the station may read");
+  const std::string host = place.starts_with('[') ? place.substr(1, place.find(']') - 1)
+                                                  : place.substr(0, place.find(':'));
+  if (host.empty() || url.find(' ') != url.npos)
+    return map.fault(key, fmt::format("{} names no host", key), form.example);
+  if (!tls && !form.is_plain_safe && !without_tls && !forward::is_loopback(host))
+    map.fault(key, fmt::format("{} is off this machine and without TLS", key),
+              fmt::format("{}, or without-tls: true if the network is trusted", form.example));
+}
+
+void read_mail(MapReader& notify, config::Library& library, MailSpec& spec) {
+  const config::Node* node = notify.find("mail");
+  if (node == nullptr) return;
+  MapReader map(*node, mail_rows(), notify.faults());
+  mail_rows().read(map, spec);
+  forward::read_files(map, library,
+                      {{"authority", &spec.authority}, {"password-file", &spec.password_file}});
+  forward::check_pair(map, "user", spec.user, "password-file", spec.password_file, "both");
+  if (!spec.server.empty()) check_url(map, "server", spec.server, kSmtp, true);
+  if (const std::string wrong = spec.from.empty() ? "" : fault_of_address(spec.from);
+      !wrong.empty())
+    map.fault("from", "from: " + wrong, "station@plant.example");
+}
+
+void read_target(MapReader& map, config::Library& library, bool has_mail, NotifyTarget& target) {
+  target_rows().read(map, target);
+  forward::read_files(map, library,
+                      {{"webhook-file", &target.url_file},
+                       {"secret-file", &target.secret_file},
+                       {"token-file", &target.webhook.token_file},
+                       {"authority", &target.webhook.authority}});
+  read_texts(map, "mail", "a mail address such as ann@plant.example", target.mail,
+             fault_of_address);
+  if (!target.webhook.server.empty())
+    check_url(map, "webhook", target.webhook.server, kHttp, target.webhook.without_tls);
+  const bool is_mail = map.has("mail");
+  if (is_mail && (map.has("webhook") || map.has("webhook-file")))
+    map.fault("mail", "one target for mail and a webhook", "a target for each");
+  if (!is_mail && !map.has("webhook") && !map.has("webhook-file"))
+    map.fault("name", "a target without mail and without a webhook",
+              "mail: [ann@plant.example], or webhook: https://HOST:PORT/PATH");
+  if (map.has("webhook") && map.has("webhook-file"))
+    map.fault("webhook", "'webhook' and 'webhook-file' in one target", "one of them");
+  if (is_mail && !has_mail)
+    map.fault("mail", "a target for mail without a mail server",
+              "notify: { mail: { server: smtp://HOST:587, from: station@plant.example } }");
+}
+
+using Names = std::set<std::string>;
+
+void read_to(MapReader& map, const Names& targets, std::vector<std::string>& to) {
+  if (map.require("to", "to: [NAME], names of targets") == nullptr) return;
+  read_texts(map, "to", "the name of a target", to, [&](const std::string& name) {
+    return targets.contains(name) ? "" : fmt::format("to: '{}' is not a target", name);
+  });
+  if (to.empty()) map.fault("to", "to names no target", "to: [NAME]");
+}
+
+void read_escalations(MapReader& map, const Names& targets, NotifyRule& rule) {
+  const config::Node* node = map.find("escalate");
+  if (node == nullptr || !config::is_list(*node, "escalate", 1, kMaxEscalations,
+                                          "a list of { after: 15min, to: [NAME] }", map.faults()))
+    return;
+  for (const config::Node* item : node->items) {
+    MapReader step(*item, escalation_rows(), map.faults());
+    Escalation& escalation = rule.escalate.emplace_back();
+    escalation_rows().read(step, escalation);
+    read_to(step, targets, escalation.to);
+    const std::size_t count = rule.escalate.size();
+    if (count > 1 && escalation.after < rule.escalate[count - 2].after)
+      step.fault("after", "an escalation earlier than the one before it", "the order of time");
+  }
+}
+
+void read_rule(MapReader& map, const Names& targets, NotifyRule& rule) {
+  rule_rows().read(map, rule);
+  read_to(map, targets, rule.to);
+  std::vector<std::string> patterns, spans;
+  read_texts(map, "patterns", "BUS/DEVICE/CHANNEL with *", patterns, [](const std::string& text) {
+    const auto pattern = Pattern::parse(text);
+    return pattern ? "" : "patterns: " + pattern.error();
+  });
+  read_texts(map, "hours", kHoursForm, spans, [](const std::string& text) {
+    return hours_from(text) ? "" : fmt::format("hours: '{}' is not a time of the week", text);
+  });
+  if (!patterns.empty()) rule.patterns.clear();
+  for (const std::string& text : patterns)
+    rule.patterns.push_back(Pattern::parse(text).value_or(Pattern{}));
+  for (const std::string& text : spans)
+    rule.hours.push_back(hours_from(text).value_or(HoursSpan{}));
+  read_escalations(map, targets, rule);
+}
+
+void read_heartbeat(MapReader& notify, config::Library& library, HeartbeatSpec& spec) {
+  const config::Node* node = notify.find("heartbeat");
+  if (node == nullptr) return;
+  MapReader map(*node, heartbeat_rows(), notify.faults());
+  heartbeat_rows().read(map, spec);
+  forward::read_files(map, library,
+                      {{"url-file", &spec.url_file}, {"authority", &spec.http.authority}});
+  if (map.has("url") == map.has("url-file"))
+    map.fault("url", "a heartbeat needs one of 'url' and 'url-file'", kHttp.example);
+  if (!spec.http.server.empty())
+    check_url(map, "url", spec.http.server, kHttp, spec.http.without_tls);
+}
+
+// Reads each map of the list `key`, whose `name` must be unique.
+template <class Item, class Read>
+void read_items(MapReader& map, std::string_view key, const Rows<Item>& rows, std::size_t most,
+                std::vector<Item>& items, Read read) {
+  const config::Node* node = map.find(key);
+  if (node == nullptr ||
+      !config::is_list(*node, key, 1, most, fmt::format("a list of up to {} maps", most),
+                       map.faults()))
+    return;
+  Names names;
+  for (const config::Node* each : node->items) {
+    MapReader item(*each, rows, map.faults());
+    read(item, items.emplace_back());
+    const std::string& name = items.back().name;
+    if (!name.empty() && !names.insert(name).second)
+      item.fault("name", fmt::format("the name '{}' appears twice", name), "a unique name");
+  }
+}
+
+}  // namespace
+
+void read_notify(MapReader& file, config::Library& library, std::optional<NotifySpec>& spec) {
+  const config::Node* node = file.find("notify");
+  if (node == nullptr) return;
+  if (!file.has("store"))
+    file.fault("notify", "nobody can be notified without a store, which keeps the messages",
+               "store: { path: FILE }");
+  MapReader map(*node, notify_rows(), file.faults());
+  NotifySpec& read = spec.emplace();
+  notify_rows().read(map, read);
+  while (read.link.ends_with('/')) read.link.pop_back();
+  if (!read.link.empty()) check_url(map, "link", read.link, kHttp, true);
+  read_mail(map, library, read.mail);
+  read_items(map, "targets", target_rows(), kMaxTargets, read.targets,
+             [&](MapReader& item, NotifyTarget& target) {
+               read_target(item, library, map.has("mail"), target);
+             });
+  Names targets;
+  for (const NotifyTarget& target : read.targets) targets.insert(target.name);
+  read_items(map, "rules", rule_rows(), kMaxRules, read.rules,
+             [&](MapReader& item, NotifyRule& rule) { read_rule(item, targets, rule); });
+  read_heartbeat(map, library, read.heartbeat);
+}
+
+std::vector<std::pair<std::string, const config::RowTable*>> notify_tables() {
+  return {{"notify.", &notify_rows()},
+          {"notify.mail.", &mail_rows()},
+          {"notify.targets.", &target_rows()},
+          {"notify.rules.", &rule_rows()},
+          {"notify.rules.escalate.", &escalation_rows()},
+          {"notify.heartbeat.", &heartbeat_rows()}};
+}
+
+}  // namespace fieldcast::web
