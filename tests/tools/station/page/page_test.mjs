@@ -243,6 +243,19 @@ test('numbers are shown as they are', () => {
   assert.equal(format.duration(0.25), '250 µs');
 });
 
+test('the decimals of a value are those of its channel, not of its arithmetic', () => {
+  const shown = (type, ...values) => values.map((value) => format.roundedValue(value, type, format.decimalsOf(type, values)));
+  assert.deepEqual(shown('float32', 0.0000338111, 886.39154), ['0.00', '886.39']);
+  assert.deepEqual(shown('float32', Math.fround(886.39154)), ['886.39']);
+  assert.deepEqual(shown('float32', 21.5), ['21.5']);
+  assert.deepEqual(shown('float64', 0.0000338111), ['0.000033811']);
+  assert.deepEqual(shown('int16', 23.400000000000002, 7), ['23.4', '7.0']);
+  assert.deepEqual(shown('uint16', 1450), ['1450']);
+  assert.deepEqual(shown('float32', -0.0001, 500.25), ['0.00', '500.25']);
+  assert.deepEqual(shown('bool', 1), ['true']);
+  assert.equal(format.roundedValue(null, 'float32', 2), '–');
+});
+
 const series = (t, average, bad, bucket_ms = 1000) => ({
   channel: 'a/b/c', unit: 'bar', type: 'float32', tier: 'raw', bucket_ms, t, average, min: average, max: average, last: average, count: t.map(() => 1), bad });
 

@@ -3,11 +3,12 @@
 import { nothing, render } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
+import { chartLegend } from '../chart_legend';
 import type { Line } from '../chart';
 import { confirmWrite, outcomeOf } from '../command';
 import type { Outcome } from '../command';
 import type { Context, MakePage, Page } from '../context';
-import { age, clock, duration, exactValue, tableValue } from '../format';
+import { age, clock, duration, exactValue, shownValue, tableValue } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { link } from '../router';
@@ -123,7 +124,9 @@ class ChannelPage implements Page {
       });
       const card = document.createElement('section');
       card.className = 'card chart-card';
-      card.append(this.chart.element);
+      const legend = document.createElement('div');
+      render(chartLegend(false), legend);
+      card.append(this.chart.element, legend);
       this.element.append(card);
     }
     this.element.append(this.commands);
@@ -179,7 +182,7 @@ class ChannelPage implements Page {
 
   private showCursor(at_ms: number | undefined, value: number | null | undefined): void {
     const next = at_ms === undefined ? '' :
-      `${clock(at_ms)}  ${typeof value === 'number' ? `${exactValue(value, 'float32')} ${this.channel!.unit}` : '–'}`;
+      `${clock(at_ms)}  ${typeof value === 'number' ? `${shownValue(value, this.channel!.type)} ${this.channel!.unit}` : '–'}`;
     if (next === this.cursor) return;
     this.cursor = next;
     this.drawTools();
