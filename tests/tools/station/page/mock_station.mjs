@@ -363,6 +363,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   await new Promise((done) => server.listen(port, '127.0.0.1', done));
   return Object.assign(mock, {
     port: server.address().port,
+    tell,
     changePlan: (bus, load) => {
       mock.planLoad = load;
       tell({ kind: 'plan', bus });

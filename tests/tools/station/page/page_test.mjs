@@ -152,6 +152,18 @@ test('alarms that want somebody come first, then by priority, the newest on top'
   assert.deepEqual(arrange({ section: 'shelved' }).counts, { unacknowledged: 4, acknowledged: 1, shelved: 1, maintenance: 1 });
 });
 
+test('rows of alarms keep their places while the user selects', () => {
+  const shown = ['a', 'b', 'c'].map((name) => alarmOf(name)), fresh = alarmOf('new', { priority: 'critical' });
+  const changed = alarmOf('c', { state: 'acknowledged', priority: 'low' });
+  const present = new Map([shown[0], changed, fresh].map((alarm) => [`shop/press/${alarm.channel}/high`, alarm]));
+  const rows = alarm_rows.steadyAlarms(shown, present, [fresh, shown[0], changed]);
+  assert.deepEqual(rows.map(({ channel, state, active }) => [channel, state, active]),
+    [['a', 'unacknowledged', true], ['b', 'clear', false], ['c', 'acknowledged', true], ['new', 'unacknowledged', true]]);
+  assert.equal(alarm_rows.worstOf('high', [null, 3, 9, undefined, NaN, 5]), 9);
+  assert.equal(alarm_rows.worstOf('low-low', [3, 9, 5]), 3);
+  assert.equal(alarm_rows.worstOf('low', [null]), null);
+});
+
 test('an alarm that is clear stays while it is shelved or its device is in maintenance', () => {
   const made = makePlant('a/b/c');
   const clear = { state: 'clear', active: false };

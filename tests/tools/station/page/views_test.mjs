@@ -97,4 +97,33 @@ test('figures of a channel have the same decimals', { skip }, async () => {
   await page.context().close();
 });
 
+test('an alarm that has returned shows the value now, its limit and the worst value apart', { skip }, async () => {
+  const page = await open('#/alarms');
+  const row = page.locator('.vrow.inactive', { hasText: 'pressure-1' });
+  assert.match(await row.locator('.c-limit').textContent(), /^low < 2 bar$/);
+  assert.match(await row.locator('.c-value').textContent(), /^now -?\d+(\.\d{1,3})? bar$/);
+  // stored minimum of the mock: 50 - 40 - 4 at least
+  await until(async () => /^worst \d+\.\d+ bar$/.test(await row.locator('.c-worst').textContent()) && parseFloat((await row.locator('.c-worst').textContent()).slice(6)) < 83, 'the worst value of the store');
+  await page.context().close();
+});
+
+test('rows of alarms do not move under the pointer', { skip }, async () => {
+  const page = await open('#/alarms');
+  const order = () => page.locator('.vbody .vrow:not([hidden]) .c-channel').evaluateAll((cells) =>
+    cells.map((cell) => [parseInt(cell.parentElement.getAttribute('aria-rowindex'), 10), cell.textContent]).sort((a, b) => a[0] - b[0]).map(([, text]) => text));
+  const before = await order();
+  await page.locator('.vrow[aria-rowindex="3"]').hover();
+  const alarm = { ...mock.plant.alarms[0], channel: 'temperature-5', since_ms: Date.now() };
+  mock.plant.alarms.push(alarm);
+  mock.tell({ kind: 'alarm', ...alarm });
+  await until(async () => (await order()).length === before.length + 1, 'the new alarm is there');
+  assert.deepEqual((await order()).slice(0, before.length), before);
+  await says(page, '.held', /keep their places/);
+  await page.mouse.move(5, 5);
+  await until(async () => /temperature-5/.test((await order())[0]), 'it is first when the pointer has left');
+  mock.plant.alarms.pop();
+  mock.tell({ kind: 'alarm', ...alarm, state: 'clear', active: false });
+  await page.context().close();
+});
+
 test('no error was told to the console', { skip }, () => assert.deepEqual(browser.faults, []));

@@ -28,8 +28,8 @@ export function decimalsOf(type: string, values: readonly number[]): number {
   const finite = values.filter(Number.isFinite);
   if (type === 'bool' || !finite.length) return 0;
   const exact = Math.max(...finite.map((value) => (/\.(\d+)$/.exec(String(Number(value.toPrecision(12))))?.[1] ?? '').length));
-  if (!type.startsWith('float')) return Math.min(mostDecimals, exact);
   const size = Math.max(...finite.map(Math.abs));
+  if (!type.startsWith('float')) return Math.min(exact, size >= 1 ? 3 : mostDecimals);
   if (size > 0 && size < 1e-4) return Math.min(15, 4 - Math.floor(Math.log10(size)));
   return Math.min(exact, size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : 6);
 }
