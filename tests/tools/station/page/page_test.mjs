@@ -19,13 +19,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // Bundles the modules together, so that they share state as in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'channel_fault', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: [...names, 'texts/common', 'texts/causes'].map((path) => `export * as ${path.split('/').pop()} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, channel_fault, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -266,6 +266,14 @@ test('the decimals of a value are those of its channel, not of its arithmetic', 
   assert.deepEqual(shown('float32', -0.0001, 500.25), ['0.00', '500.25']);
   assert.deepEqual(shown('bool', 1), ['true']);
   assert.equal(format.roundedValue(null, 'float32', 2), '–');
+});
+
+test('a fault began with the first sample without a value after the last good one', () => {
+  const since = (t, bad) => channel_fault.badSince({ from_ms: 0, to_ms: 9, series: [{ t, bad }] });
+  assert.deepEqual(since([1, 2, 3, 4], [1, 0, 2, 1]), { at_ms: 3, whole: false });
+  assert.deepEqual(since([1, 2], [1, 1]), { at_ms: 1, whole: true });
+  assert.equal(since([1, 2], [1, 0]), undefined);
+  assert.equal(since([], []), undefined);
 });
 
 const series = (t, average, bad, bucket_ms = 1000) => ({

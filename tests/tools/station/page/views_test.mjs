@@ -126,4 +126,25 @@ test('rows of alarms do not move under the pointer', { skip }, async () => {
   await page.context().close();
 });
 
+test('a channel without a good value shows since when, its last value, the attempts and what to check', { skip }, async () => {
+  const bad = mock.plant.channels[0];
+  assert.equal(bad.quality, 2);
+  const since = Date.now() - 90_000;
+  bad.acquired_ms = since;
+  bad.value = 39;
+  mock.badFrom = new Map([[bad.path, since + 2000]]);
+  const page = await open(`#/channel/${bad.path}`);
+  await says(page, '.fault', /Since\s*\d{4}-\d\d-\d\d .*\((8|9)\d s\)/);
+  await says(page, '.fault', /Last good value\s*39 °C \d{4}-/);
+  await says(page, '.fault', /12 of 5,000 exchanges failed \(0\.2 %\), most often: no response; 3 retries/);
+  await says(page, '.fault', /Power of the device; cable and adapter/);
+  assert.equal(await page.locator('.fault a').first().getAttribute('href'), '#/devices/boiler-house/device-01');
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.context().close();
+  const good = await open(`#/channel/${device}/flow-1`);
+  assert.equal(await good.locator('.fault').count(), 0);
+  await good.context().close();
+  mock.badFrom = undefined;
+});
+
 test('no error was told to the console', { skip }, () => assert.deepEqual(browser.faults, []));
