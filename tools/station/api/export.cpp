@@ -7,6 +7,7 @@
 #include "tools/cli/view/record_view.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
+#include "tools/station/api/history.hpp"
 
 namespace fieldcast::web {
 
@@ -48,16 +49,12 @@ class ExportStream {
   bool broken_ = false;  // used on the io thread
 };
 
-std::string file_name(const ExportQuestion& question) {
-  return question.json_lines ? "history.jsonl" : "history.csv";
-}
-
 HttpResponse streamed(Database& database, ExportQuestion question,
                       const ExportStream::Running& running) {
   HttpResponse response;
   response.content_type = question.json_lines ? "application/x-ndjson" : "text/csv; charset=utf-8";
   response.headers.emplace_back("content-disposition",
-                                "attachment; filename=\"" + file_name(question) + '"');
+                                "attachment; filename=\"" + export_file_name(question) + '"');
   if (question.compress) response.headers.emplace_back("content-encoding", "gzip");
   auto stream = std::make_shared<ExportStream>(database, std::move(question), running);
   response.next = [stream](std::function<void(Piece)> give) {
@@ -69,8 +66,11 @@ HttpResponse streamed(Database& database, ExportQuestion question,
 }  // namespace
 
 void export_history(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
-  const Parameters parameters(request, {"pattern", "from", "to", "format", "every"});
-  if (auto fault = parameters.fault()) return reply(*std::move(fault));
+  const Parameters parameters(request, {"pattern", "channel", "from", "to", "format", "every"});
+  if (auto fault = parameters.fault("channel")) return reply(*std::move(fault));
+  auto channels = request.parameter("channel") ? parameters.channels("channel", kMaxHistoryChannels)
+                                               : std::vector<ChannelPath>();
+  if (!channels) return reply(std::move(channels.error()));
   auto pattern = parameters.pattern("pattern");
   if (!pattern) return reply(std::move(pattern.error()));
   auto span = parameters.span(api.now(), kOneDay);
@@ -82,10 +82,31 @@ void export_history(const Api& api, const HttpRequest& request, const Caller&, c
   if (*api.exports >= kMaxExports)
     return reply(error_response(503, "too many exports are in progress",
                                 "ask again when one of them has ended"));
-  reply(streamed(
-      *api.database,
-      {*std::move(pattern), span->from, span->to, *every, *json_lines, request.accepts_gzip},
-      api.exports));
+  reply(streamed(*api.database,
+                 {*std::move(channels), *std::move(pattern), span->from, span->to, *every,
+                  *json_lines, request.accepts_gzip},
+                 api.exports));
+}
+
+std::string export_file_name(const ExportQuestion& question) {
+  constexpr std::size_t kLongestName = 120;
+  const std::string_view end = question.json_lines ? ".jsonl" : ".csv";
+  std::string name;
+  const ChannelPath* last = nullptr;
+  for (const ChannelPath& path : question.channels) {
+    const bool same_device =
+        last != nullptr && last->bus == path.bus && last->device == path.device;
+    if (last != nullptr) name += '+';
+    name += same_device ? path.channel : path.bus + '_' + path.device + '_' + path.channel;
+    last = &path;
+  }
+  if (name.empty()) name = "history";
+  for (char& c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (!plain && c != '-' && c != '+' && c != '.') c = '_';
+  }
+  if (name.size() > kLongestName) name.resize(kLongestName);
+  return name.append(end);
 }
 
 Exporter::Exporter(ExportQuestion question) : question_(std::move(question)) {
@@ -121,7 +142,11 @@ std::string Exporter::broken_off() {
 }
 
 void Exporter::begin(SqlConnection& connection) {
-  channels_ = SampleTable(connection).channels(question_.pattern);
+  SampleTable table(connection);
+  if (question_.channels.empty()) channels_ = table.channels(question_.pattern);
+  for (const ChannelPath& path : question_.channels) {
+    if (auto found = table.find(path)) channels_.push_back(*std::move(found));
+  }
   after_ = {question_.from};
   bucket_ = question_.from;
   if (question_.json_lines) return;

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bridge/http/http_message.hpp"
 #include "bridge/store/sql/sql.hpp"
@@ -14,12 +15,16 @@ namespace fieldcast::web {
 inline constexpr int kMaxExports = 4;
 
 struct ExportQuestion {
+  std::vector<ChannelPath> channels;  // in this order; empty: those that match `pattern`
   Pattern pattern;
   UtcTime from, to;
   std::optional<Duration> every;  // bucket length; empty: each sample
   bool json_lines = false;        // false: CSV
   bool compress = false;
 };
+
+// The channels' names, without characters that are special in a file system.
+[[nodiscard]] std::string export_file_name(const ExportQuestion& question);
 
 // Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
 // piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,

@@ -96,6 +96,32 @@ TEST_F(ExportApiTest, BucketsAreReportedWholeAndOnce) {
   EXPECT_EQ(test::Json::parse(lines[3999]).at("count"), 1);
 }
 
+TEST_F(ExportApiTest, NamedChannelsAreOneFileNamedAfterThem) {
+  store_samples(3, 2);
+  const HttpResponse response =
+      ask("/api/export?channel=line/d/c2&channel=line/d/c0&from=0&to=1700009000000");
+  const auto lines = lines_of(all_of(response).first);
+  ASSERT_EQ(lines.size(), 5u);
+  EXPECT_NE(lines[1].find(",line,d,c2,0.5"), std::string::npos) << lines[1];
+  EXPECT_NE(lines[4].find(",line,d,c0,1.5"), std::string::npos) << lines[4];
+  EXPECT_EQ(std::ranges::find(response.headers, "content-disposition",
+                              [](const auto& header) { return header.first; })
+                ->second,
+            "attachment; filename=\"line_d_c2+c0.csv\"");
+  EXPECT_EQ(lines_of(all_of(ask("/api/export?channel=line/d/none&from=0")).first).size(), 1u);
+  EXPECT_EQ(ask("/api/export?channel=c2").status, 400u);
+}
+
+TEST(ExportFileName, HasNoCharacterThatIsSpecialInAFileSystemAndABoundedLength) {
+  ExportQuestion question;
+  EXPECT_EQ(export_file_name(question), "history.csv");
+  question.channels = {{"a", "b", "../x \"1\""}, {"a", "c", "y"}};
+  question.json_lines = true;
+  EXPECT_EQ(export_file_name(question), "a_b_.._x__1_+a_c_y.jsonl");
+  question.channels.assign(8, {std::string(40, 'b'), "d", "c"});
+  EXPECT_LE(export_file_name(question).size(), 130u);
+}
+
 TEST_F(ExportApiTest, NothingIsJustTheHeadLine) {
   store_samples(1, 1);
   EXPECT_EQ(lines_of(all_of(ask("/api/export?pattern=none&from=0")).first).size(), 1u);

@@ -58,6 +58,17 @@ export const clipped = (page) => page.evaluate(() => {
   return found;
 });
 
+// Waits until a page is shown and its requests have responses.
+export const settled = async (page) => {
+  await page.waitForSelector('html[data-connection="open"]');
+  await page.waitForFunction(() => document.querySelector('main .page')?.textContent.trim() !== '');
+  await until(() => page.underWay === 0, 'answers of the station');
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+};
+
+export const says = (page, selector, pattern, what = String(pattern)) =>
+  until(async () => pattern.test((await page.locator(selector).allTextContents()).join(' ')), what);
+
 // Waits in this process, without polling the page by sleeping.
 export async function until(condition, what, within_ms = 10_000) {
   const end = Date.now() + within_ms;

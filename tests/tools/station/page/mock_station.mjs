@@ -138,13 +138,14 @@ export function encodeFrame(channels) {
   return bytes;
 }
 
-function history(url) {
+// `empty`: the paths of channels without a stored sample. `badFrom`: when the fault of a path began.
+function history(url, { empty = new Set(), badFrom = new Map() }) {
   const from = Number(url.searchParams.get('from')), to = Number(url.searchParams.get('to')), points = Number(url.searchParams.get('points')) || 1000;
   const bucket_ms = Math.max(1000, Math.ceil((to - from) / points / 1000) * 1000);
   const series = url.searchParams.getAll('channel').map((channel, index) => {
     const each = { channel, unit: index % 2 ? 'bar' : '°C', type: 'float32', tier: bucket_ms >= 60_000 ? 'minute' : 'raw', bucket_ms, t: [], min: [], max: [], average: [], last: [], count: [], bad: [] };
-    for (let t = Math.ceil(from / bucket_ms) * bucket_ms; t < to; t += bucket_ms) {
-      const gap = Math.floor(t / bucket_ms) % 211 > 204;
+    for (let t = Math.ceil(from / bucket_ms) * bucket_ms; t < to && !empty.has(channel); t += bucket_ms) {
+      const gap = badFrom.has(channel) ? t >= badFrom.get(channel) : Math.floor(t / bucket_ms) % 211 > 204;
       const value = 50 + 40 * Math.sin(t / 20_000 / (1 + bucket_ms / 30_000) + index);
       each.t.push(t);
       each.average.push(gap ? null : value);
@@ -243,7 +244,8 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/buses': () => [200, plant.buses], '/api/devices': () => [200, plant.devices],
     '/api/sessions': () => [200, plant.sessions], '/api/bridges': () => [200, plant.bridges],
     '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarmEvents() } : { alarms: plant.alarms }],
-    '/api/history': (url) => [200, history(url)],
+    '/api/history': (url) => [200, history(url, mock)],
+    '/api/export': (url) => ({ csv: `published_at,channel\n${url.searchParams.getAll('channel').join('\n')}\n`, name: `${url.searchParams.getAll('channel').join('+').replaceAll('/', '_')}.csv` }),
     '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], messages: [] }],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
@@ -303,6 +305,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     const found = request.method === 'GET' && get[url.pathname]?.(url);
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
+    if (found.csv) {
+      response.writeHead(200, { ...headers, 'content-type': 'text/csv', 'content-disposition': `attachment; filename="${found.name}"` });
+      return response.end(found.csv);
+    }
     if (found.svg) {
       response.writeHead(200, { ...headers, 'content-security-policy': "default-src 'none'; sandbox", 'content-type': 'image/svg+xml' });
       return response.end(found.svg);
@@ -365,6 +371,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   await new Promise((done) => server.listen(port, '127.0.0.1', done));
   return Object.assign(mock, {
     port: server.address().port,
+    tell,
     changePlan: (bus, load) => {
       mock.planLoad = load;
       tell({ kind: 'plan', bus });

@@ -11,8 +11,8 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
-  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture',
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
+  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'channel_fault', 'csv', 'plan_picture',
     'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -165,6 +165,18 @@ test('alarms that want somebody come first, then by priority, the newest on top'
   assert.deepEqual(arrange({ section: 'shelved' }).counts, { unacknowledged: 4, acknowledged: 1, shelved: 1, maintenance: 1 });
 });
 
+test('rows of alarms keep their places while the user selects', () => {
+  const shown = ['a', 'b', 'c'].map((name) => alarmOf(name)), fresh = alarmOf('new', { priority: 'critical' });
+  const changed = alarmOf('c', { state: 'acknowledged', priority: 'low' });
+  const present = new Map([shown[0], changed, fresh].map((alarm) => [`shop/press/${alarm.channel}/high`, alarm]));
+  const rows = alarm_rows.steadyAlarms(shown, present, [fresh, shown[0], changed]);
+  assert.deepEqual(rows.map(({ channel, state, active }) => [channel, state, active]),
+    [['a', 'unacknowledged', true], ['b', 'clear', false], ['c', 'acknowledged', true], ['new', 'unacknowledged', true]]);
+  assert.equal(alarm_rows.worstOf('high', [null, 3, 9, undefined, NaN, 5]), 9);
+  assert.equal(alarm_rows.worstOf('low-low', [3, 9, 5]), 3);
+  assert.equal(alarm_rows.worstOf('low', [null]), null);
+});
+
 test('an alarm that is clear stays while it is shelved or its device is in maintenance', () => {
   const made = makePlant('a/b/c');
   const clear = { state: 'clear', active: false };
@@ -254,6 +266,27 @@ test('numbers are shown as they are', () => {
   assert.equal(format.age(-5), '0.0 s');
   assert.equal(format.age(65_000), '65 s');
   assert.equal(format.duration(0.25), '250 µs');
+});
+
+test('the decimals of a value are those of its channel, not of its arithmetic', () => {
+  const shown = (type, ...values) => values.map((value) => format.roundedValue(value, type, format.decimalsOf(type, values)));
+  assert.deepEqual(shown('float32', 0.0000338111, 886.39154), ['0.00', '886.39']);
+  assert.deepEqual(shown('float32', Math.fround(886.39154)), ['886.39']);
+  assert.deepEqual(shown('float32', 21.5), ['21.5']);
+  assert.deepEqual(shown('float64', 0.0000338111), ['0.000033811']);
+  assert.deepEqual(shown('int16', 23.400000000000002, 7), ['23.4', '7.0']);
+  assert.deepEqual(shown('uint16', 1450), ['1450']);
+  assert.deepEqual(shown('float32', -0.0001, 500.25), ['0.00', '500.25']);
+  assert.deepEqual(shown('bool', 1), ['true']);
+  assert.equal(format.roundedValue(null, 'float32', 2), '–');
+});
+
+test('a fault began with the first sample without a value after the last good one', () => {
+  const since = (t, bad) => channel_fault.badSince({ from_ms: 0, to_ms: 9, series: [{ t, bad }] });
+  assert.deepEqual(since([1, 2, 3, 4], [1, 0, 2, 1]), { at_ms: 3, whole: false });
+  assert.deepEqual(since([1, 2], [1, 1]), { at_ms: 1, whole: true });
+  assert.equal(since([1, 2], [1, 0]), undefined);
+  assert.equal(since([], []), undefined);
 });
 
 const series = (t, average, bad, bucket_ms = 1000) => ({

@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { chromiumPath, clipped, startBrowser, until } from './browser.mjs';
+import { chromiumPath, clipped, says, settled, startBrowser, until } from './browser.mjs';
 import { startMock } from './mock_station.mjs';
 
 const [files, modules] = process.argv.slice(2);
@@ -26,12 +26,6 @@ after(async () => {
   guarded?.close();
 });
 
-const settled = async (page) => {
-  await page.waitForSelector('html[data-connection="open"]');
-  await page.waitForFunction(() => document.querySelector('main .page')?.textContent.trim() !== '');
-  await until(() => page.underWay === 0, 'answers of the station');
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-};
 const go = async (page, hash) => {
   await page.evaluate((to) => { location.hash = to; }, hash);
   await settled(page);
@@ -41,8 +35,6 @@ const open = async (hash, options) => {
   await settled(page);
   return page;
 };
-const says = (page, selector, pattern, what = String(pattern)) =>
-  until(async () => pattern.test((await page.locator(selector).allTextContents()).join(' ')), what);
 const row = (page, text) => page.locator('.vbody .vrow:not([hidden])', { hasText: text });
 const saved = async (page) => {
   const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'CSV' }).click()]);

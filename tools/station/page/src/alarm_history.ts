@@ -3,7 +3,7 @@
 import { limitText } from './alarm_actions';
 import type { Context } from './context';
 import { csvTime } from './csv';
-import { exactValue, fullTime } from './format';
+import { fullTime, shownValue } from './format';
 import { t, word } from './i18n';
 import { PastList } from './past';
 import { channelLink, link } from './router';
@@ -16,7 +16,7 @@ function valueText(context: Context, event: AlarmEvent): string {
   if (event.value === null) return '';
   const { plant } = context;
   const channel = plant.channels.get(plant.ids.get(pathOf(event)) ?? -1);
-  return `${exactValue(event.value, channel?.type ?? 'float32')}${channel?.unit ? ` ${channel.unit}` : ''}`;
+  return `${shownValue(event.value, channel?.type ?? 'float32')}${channel?.unit ? ` ${channel.unit}` : ''}`;
 }
 
 const noteText = (event: AlarmEvent): string =>

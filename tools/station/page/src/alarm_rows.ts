@@ -47,3 +47,17 @@ export function arrangeAlarms(alarms: Iterable<Alarm>, choice: AlarmChoice, now_
   found.sort((a, b) => a.rank - b.rank || b.alarm.since_ms - a.alarm.since_ms || alarmKey(a.alarm).localeCompare(alarmKey(b.alarm)));
   return { alarms: found.map(({ alarm }) => alarm), counts };
 }
+
+// Keeps the rows of `shown` at their places while the user points at one: known alarms have their new contents, alarms that are
+// no longer present stay as clear, and new ones are at the end.
+export function steadyAlarms(shown: readonly Alarm[], present: ReadonlyMap<string, Alarm>, arranged: readonly Alarm[]): Alarm[] {
+  const keys = new Set(shown.map(alarmKey));
+  return [...shown.map((alarm) => present.get(alarmKey(alarm)) ?? { ...alarm, state: 'clear' as const, active: false }),
+    ...arranged.filter((alarm) => !keys.has(alarmKey(alarm)))];
+}
+
+// Returns the value farthest beyond the limit.
+export const worstOf = (limit: string, values: readonly (number | null | undefined)[]): number | null => {
+  const known = values.filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
+  return known.length ? (limit.startsWith('low') ? Math.min(...known) : Math.max(...known)) : null;
+};

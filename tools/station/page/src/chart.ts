@@ -2,6 +2,7 @@
 // requests a zoom. Colours are from the style sheet, for light and dark. Each call draws immediately.
 
 import { exactValue } from './format';
+import { t } from './i18n';
 import { numberTicks, timeTicks } from './ticks';
 
 export interface Span {
@@ -32,11 +33,17 @@ interface Scale {
   unit: string;
   min: number;
   max: number;
+  lines: number[];  // numbers of its lines, from 1
+  empty: boolean;  // no value in the window: nothing to show on the axis
 }
 
 const colourNames = ['--s1', '--s2', '--s3', '--s4', '--s5', '--s6', '--s7', '--s8'];
-const dashFrom = 4;  // colours alone distinguish at most four lines
+// A dash for each line: colours alone do not distinguish lines for every eye, nor in print.
+export const dashes: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3], [16, 5], [5, 5], [12, 3, 2, 3, 2, 3], [1, 4]];
+export const dashOf = (index: number): readonly number[] => dashes[index % dashes.length]!;
+const colourOf = (index: number): string => colourNames[index % colourNames.length]!;
 const side = 60;  // width of the labels of a value axis
+const axisEach = 250;  // width of the trend for each further axis
 const foot = 24;
 const head = 20;
 const strip = 5;
@@ -109,7 +116,9 @@ export class Chart {
   }
 
   private get left(): number { return side; }
-  private get right(): number { return this.width - (this.scales.length > 1 ? side : 12); }
+  // Axes that fit: one on the left, the others on the right.
+  private get axes(): number { return Math.min(this.scales.length, Math.max(2, Math.floor(this.width / axisEach))); }
+  private get right(): number { return this.width - Math.max(12, (this.axes - 1) * side); }
   private get bottom(): number { return this.options.height - foot; }
   private x(at_ms: number): number { return this.left + ((at_ms - this.from_ms) / (this.to_ms - this.from_ms)) * (this.right - this.left); }
   private y(value: number, scale: Scale): number { return this.bottom - ((value - scale.min) / (scale.max - scale.min)) * (this.bottom - head); }
@@ -171,9 +180,10 @@ export class Chart {
 
   private makeScales(): Scale[] {
     const scales: Scale[] = [];
-    for (const line of this.lines) {
+    for (const [index, line] of this.lines.entries()) {
       let scale = scales.find((each) => each.unit === line.unit);
-      if (!scale) scales.push((scale = { unit: line.unit, min: Infinity, max: -Infinity }));
+      if (!scale) scales.push((scale = { unit: line.unit, min: Infinity, max: -Infinity, lines: [], empty: false }));
+      scale.lines.push(index + 1);
       const [first, end] = this.seen(line);
       for (let i = first; i < end; i++) {
         const low = line.min[i], high = line.max[i];
@@ -187,7 +197,8 @@ export class Chart {
 
   // Range of values with a margin; includes limits that are near.
   private widen(scale: Scale, limited: boolean): void {
-    if (!Number.isFinite(scale.min)) Object.assign(scale, { min: 0, max: 1 });
+    scale.empty = !Number.isFinite(scale.min);
+    if (scale.empty) Object.assign(scale, { min: 0, max: 1 });
     const size = scale.max - scale.min || Math.abs(scale.max) * 0.1 || 1;
     if (limited) {
       const { min, max } = scale;
@@ -220,27 +231,39 @@ export class Chart {
       ctx.textAlign = 'center';
       ctx.fillText(tick.text, Math.max(half, Math.min(this.width - half, x)), bottom + 7);
     }
-    this.scales.slice(0, 2).forEach((scale, index) => {
-      ctx.textAlign = index ? 'left' : 'right';
-      const textAt = index ? right + 6 : left - 6;
-      ctx.textBaseline = 'middle';
-      for (const tick of numberTicks(scale.min, scale.max, (bottom - head) / 45)) {
-        const y = Math.round(this.y(tick.at, scale)) + 0.5;
-        if (!index) {
-          ctx.moveTo(left, y);
-          ctx.lineTo(right, y);
-        }
-        ctx.fillText(tick.text, textAt, y);
-      }
-      ctx.textBaseline = 'top';
-      ctx.fillText(scale.unit, textAt, 2);
-    });
+    this.scales.slice(0, this.axes).forEach((scale, index) => this.drawAxis(ctx, scale, index));
     ctx.stroke();
+    if (this.scales.length && this.scales.every((scale) => scale.empty)) {
+      ctx.textAlign = 'center';
+      ctx.textBaseline = 'middle';
+      ctx.fillText(t('chart.no-data'), (left + right) / 2, (head + bottom) / 2);
+    }
+  }
+
+  // An axis has the colour of its line, or the numbers of its lines if there are several. Without a value it has no labels.
+  private drawAxis(ctx: CanvasRenderingContext2D, scale: Scale, index: number): void {
+    const { left, right, bottom } = this;
+    const textAt = index ? right + 6 + (index - 1) * side : left - 6;
+    const own = this.lines.length > 1 && scale.lines.length === 1;
+    ctx.fillStyle = this.colour(own ? colourOf(scale.lines[0]! - 1) : '--muted');
+    ctx.textAlign = index ? 'left' : 'right';
+    ctx.textBaseline = 'middle';
+    for (const tick of scale.empty ? [] : numberTicks(scale.min, scale.max, (bottom - head) / 45)) {
+      const y = Math.round(this.y(tick.at, scale)) + 0.5;
+      if (!index) {
+        ctx.moveTo(left, y);
+        ctx.lineTo(right, y);
+      }
+      ctx.fillText(tick.text, textAt, y);
+    }
+    ctx.textBaseline = 'top';
+    ctx.fillText(this.lines.length > 1 ? `${scale.lines.join(' ')}: ${scale.unit || '1'}` : scale.unit, textAt, 2, side - 8);
+    ctx.fillStyle = this.colour('--muted');
   }
 
   private drawLimits(ctx: CanvasRenderingContext2D): void {
     const scale = this.scales[0];
-    if (!scale) return;
+    if (!scale || scale.empty) return;
     for (const [name, value] of this.limits()) {
       const high = name.startsWith('high');
       const y = Math.max(head, Math.min(this.bottom, this.y(value, scale)));
@@ -267,7 +290,7 @@ export class Chart {
         ctx.fillStyle = this.colour('--bad', 0.18);
         ctx.fillRect(left, head, width, this.bottom - head);
       }
-      ctx.fillStyle = this.colour(alone ? '--bad' : colourNames[index % colourNames.length]!);
+      ctx.fillStyle = this.colour(alone ? '--bad' : colourOf(index));
       ctx.fillRect(left, top, width, strip - 1);
     }
   }
@@ -290,10 +313,10 @@ export class Chart {
   private drawLine(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
     const scale = this.scales.find((each) => each.unit === line.unit)!;
     const [first, end] = this.seen(line);
-    ctx.strokeStyle = ctx.fillStyle = this.colour(colourNames[index % colourNames.length]!);
+    ctx.strokeStyle = ctx.fillStyle = this.colour(colourOf(index));
     ctx.lineWidth = 1.6;
     ctx.lineJoin = 'round';
-    ctx.setLineDash(index >= dashFrom ? [7, 4] : []);
+    ctx.setLineDash([...dashOf(index)]);
     ctx.beginPath();
     let y = NaN;  // of the previous point; NaN after a gap
     for (let i = first; i < end; i++) {
@@ -315,6 +338,17 @@ export class Chart {
     }
     ctx.stroke();
     ctx.setLineDash([]);
+    if (this.lines.length > 1) this.drawNumber(ctx, line, index, scale);
+  }
+
+  // Writes the number of a line at its last visible point.
+  private drawNumber(ctx: CanvasRenderingContext2D, line: Line, index: number, scale: Scale): void {
+    let last = indexAt(line.t, this.to_ms);
+    while (last >= 0 && line.average[last] === null) last--;
+    if (last < 0 || line.t[last]! < this.from_ms) return;
+    ctx.textAlign = 'right';
+    ctx.textBaseline = 'bottom';
+    ctx.fillText(String(index + 1), Math.min(this.right - 2, this.x(line.t[last]!) - 2), Math.max(head + 12, this.y(line.average[last]!, scale) - 2));
   }
 
   private move(x: number | undefined): void {
@@ -349,7 +383,7 @@ export class Chart {
     const values = this.lines.map((line, index) => {
       const i = indexAt(line.t, at_ms), value = line.average[i];
       if (value === null || value === undefined) return value;
-      ctx.fillStyle = this.colour(colourNames[index % colourNames.length]!);
+      ctx.fillStyle = this.colour(colourOf(index));
       ctx.beginPath();
       ctx.arc(this.x(line.t[i]!), this.y(value, this.scales.find((each) => each.unit === line.unit)!), 3.5, 0, 7);
       ctx.fill();

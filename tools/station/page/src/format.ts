@@ -23,6 +23,26 @@ export function exactValue(value: number, type: string): string {
   return String(Number(value.toPrecision(15)));
 }
 
+// Decimals at which the largest of these values still has about five digits; for an integer type with a scale, those that its values have.
+export function decimalsOf(type: string, values: readonly number[]): number {
+  const finite = values.filter(Number.isFinite);
+  if (type === 'bool' || !finite.length) return 0;
+  const exact = Math.max(...finite.map((value) => (/\.(\d+)$/.exec(String(Number(value.toPrecision(12))))?.[1] ?? '').length));
+  const size = Math.max(...finite.map(Math.abs));
+  if (!type.startsWith('float')) return Math.min(exact, size >= 1 ? 3 : mostDecimals);
+  if (size > 0 && size < 1e-4) return Math.min(15, 4 - Math.floor(Math.log10(size)));
+  return Math.min(exact, size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : 6);
+}
+
+// Formats a value beside others of its channel, all with the same decimals.
+export function roundedValue(value: number | null | undefined, type: string, decimals: number): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return '–';
+  if (type === 'bool' && (value === 0 || value === 1)) return value ? 'true' : 'false';
+  return Number.isFinite(value) ? value.toFixed(decimals).replace(/^-(0(\.0*)?)$/, '$1') : value > 0 ? '∞' : '-∞';
+}
+
+export const shownValue = (value: number | null, type: string): string => roundedValue(value, type, decimalsOf(type, value === null ? [] : [value]));
+
 // Formats a value in a table with as many decimals as the last ones of its channel.
 export function tableValue(id: number, value: number, type: string): string {
   if (Number.isNaN(value)) return '–';

@@ -26,25 +26,31 @@ export function rangeOf(context: Context, otherwise: string): Range {
   return { from_ms: now - spanOf(span, spanOf(otherwise, 86_400_000)), to_ms: now, span };
 }
 
-// Format of <input type="datetime-local">.
-function localText(ms: number): string {
-  return new Date(ms - new Date(ms).getTimezoneOffset() * 60_000).toISOString().slice(0, 19);
+// A text field: the browser's own field for times may show a 12-hour clock beside the page's 24-hour clock.
+const timeShape = '\\d{4}-\\d{2}-\\d{2}[ T]\\d{2}:\\d{2}(:\\d{2})?';
+const localText = (ms: number): string => new Date(ms - new Date(ms).getTimezoneOffset() * 60_000).toISOString().slice(0, 19).replace('T', ' ');
+
+export const timeField = (name: 'from' | 'to', ms: number): TemplateResult => html`<label>${t(`range.${name}`)} <input class="time" name=${name} required
+  pattern=${timeShape} title="YYYY-MM-DD HH:MM:SS" autocomplete="off" spellcheck="false" .value=${localText(ms)}></label>`;
+
+// Returns the range of a form with two time fields; undefined if the end is not behind the start.
+export function typedRange(form: FormData): { from_ms: number; to_ms: number } | undefined {
+  const [from_ms, to_ms] = ['from', 'to'].map((name) => new Date(String(form.get(name)).trim().replace(' ', 'T')).getTime()) as [number, number];
+  return from_ms > 0 && to_ms >= from_ms + shortest_ms ? { from_ms, to_ms } : undefined;
 }
 
 export function rangeTools(context: Context, range: Range, parts: readonly string[]): TemplateResult {
   const { name } = context.route;
   const submit = (event: Event): void => {
     event.preventDefault();
-    const form = new FormData(event.target as HTMLFormElement);
-    const from = new Date(String(form.get('from'))).getTime(), to = new Date(String(form.get('to'))).getTime();
-    if (from > 0 && to >= from + shortest_ms) context.go(link(name, parts, { from: String(from), to: String(to) }));
+    const typed = typedRange(new FormData(event.target as HTMLFormElement));
+    if (typed) context.go(link(name, parts, { from: String(typed.from_ms), to: String(typed.to_ms) }));
     else context.say(t('range.wrong'), true);
   };
   return html`<span class="choice-row" role="group" aria-label=${t('range.span')}>${offered.map((span) => html`<button type="button" class="choice"
       aria-pressed=${span.key === range.span} @click=${() => context.go(link(name, parts, { span: span.key }))}>${labelOf(span.key)}</button>`)}</span>
     <form class="range" @submit=${submit}>
-      <label>${t('range.from')}<input type="datetime-local" name="from" step="1" required .value=${localText(range.from_ms)}></label>
-      <label>${t('range.to')}<input type="datetime-local" name="to" step="1" required .value=${localText(range.to_ms)}></label>
+      ${timeField('from', range.from_ms)}${timeField('to', range.to_ms)}
       <button>${t('range.show')}</button>
     </form>`;
 }

@@ -5,10 +5,10 @@ import type { TemplateResult } from 'lit-html';
 import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
 import { alarmHistory } from '../alarm_history';
 import { canNotify, chooseNotices, isNotifying } from '../browser_notices';
-import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
+import { arrangeAlarms, isShelved, sectionOf, sections, steadyAlarms, wantsSomebody } from '../alarm_rows';
 import type { AlarmChoice, Section } from '../alarm_rows';
 import type { Change, Context, MakePage } from '../context';
-import { age, count, exactValue, fullTime, time } from '../format';
+import { age, count, fullTime, shownValue, time } from '../format';
 import { t, word } from '../i18n';
 import type { Key } from '../i18n';
 import { ListTable } from '../list';
@@ -17,8 +17,10 @@ import { showMessages } from '../message_list';
 import { alarmKey } from '../plant';
 import { channelLink } from '../router';
 import { tabbedPage } from '../tabs';
-import type { Alarm } from '../types';
-import { empty } from '../view';
+import { isBad, notYetRead } from '../types';
+import type { Alarm, Channel } from '../types';
+import { empty, qualityText } from '../view';
+import { WorstValues } from '../worst_values';
 import '../../styles/alarms.css';
 
 export const texts = {
@@ -27,6 +29,8 @@ export const texts = {
   'alarms.section-unacknowledged': ['Unacknowledged', '未确认'], 'alarms.section-acknowledged': ['Acknowledged', '已确认'],
   'alarms.section-shelved': ['Shelved', '已搁置'], 'alarms.section-maintenance': ['Maintenance', '维护中'], 'alarms.priority': ['Priority', '优先级'],
   'alarms.state': ['State', '状态'], 'alarms.channel': ['Channel', '通道'], 'alarms.limit': ['Limit', '限值'], 'alarms.value': ['Value', '数值'],
+  'alarms.now': ['Now', '当前值'], 'alarms.worst': ['Worst', '最差值'], 'alarms.now-value': ['now {value}', '当前 {value}'], 'alarms.worst-value': ['worst {value}', '最差 {value}'],
+  'alarms.held': ['The rows keep their places while you select.', '选择期间，各行保持原位。'],
   'alarms.since': ['Since', '持续'], 'alarms.count': ['Times', '次数'], 'alarms.by': ['By, note', '人员、备注'], 'alarms.at': ['Time', '时间'],
   'alarms.event': ['Event', '事件'], 'alarms.who': ['Who', '人员'], 'alarms.note': ['Note', '备注'], 'alarms.check': ['Choose {path}', '选择 {path}'],
   'alarms.check-all': ['Choose all unacknowledged', '选择全部未确认'], 'alarms.choose': ['Choose an alarm that this can be done to.', '请选择可执行此操作的报警。'],
@@ -61,17 +65,17 @@ export const texts = {
   'range.most': ['the newest {n} entries', '最新的 {n} 条'], 'range.wrong': ['The end must be behind the begin.', '结束时间必须晚于开始时间。'],
 } as const;
 
+const heldFor_ms = 10_000;  // a pointer that rests longer selects nothing
+
 const priorityShapes: Record<Alarm['priority'], string> = { critical: '▲', high: '▲', medium: '◆', low: '●' };
 const stateShapes: Record<string, string> = { unacknowledged: '▲', returned: '◇', acknowledged: '✓', clear: '○' };
 
-// "83.2 > 80 °C"
-function valueText(context: Context, alarm: Alarm): string {
-  const { plant } = context;
-  const channel = plant.channels.get(plant.ids.get(`${alarm.bus}/${alarm.device}/${alarm.channel}`) ?? -1);
+const pathOf = (alarm: Alarm): string => `${alarm.bus}/${alarm.device}/${alarm.channel}`;
+
+// "high > 80 °C"
+function boundText(channel: Channel | undefined, alarm: Alarm): string {
   const limit = channel?.limits[alarm.limit];
-  const value = alarm.value === null ? '–' : exactValue(alarm.value, channel?.type ?? 'float32');
-  const bound = limit === undefined ? '' : ` (${alarm.limit.startsWith('low') ? '<' : '>'} ${limit})`;
-  return `${value}${channel?.unit ? ` ${channel.unit}` : ''}${bound}`;
+  return limit === undefined ? limitText(alarm) : `${limitText(alarm)} ${alarm.limit.startsWith('low') ? '<' : '>'} ${limit} ${channel!.unit}`.trim();
 }
 
 function stateText(alarm: Alarm, now_ms: number): string {
@@ -92,6 +96,9 @@ class PresentAlarms {
   private readonly list: ListTable<Alarm>;
   private readonly choice: AlarmChoice = { filter: '', section: undefined };
   private readonly checked = new Set<string>();
+  private readonly worst: WorstValues;
+  private pointedAt = -Infinity;
+  private held = false;
   private counts: Record<Section, number> = { unacknowledged: 0, acknowledged: 0, shelved: 0, maintenance: 0 };
 
   constructor(private readonly context: Context) {
@@ -100,6 +107,7 @@ class PresentAlarms {
     this.choice.filter = (context.route.query.get('alarm') ?? '').split('/').slice(0, 3).join('/');
     this.element.className = 'present';
     const now = (): number => context.now();
+    this.worst = new WorstValues(context, () => this.list.paint());
     this.list = new ListTable<Alarm>({
       label: t('alarms.table'), className: 'alarm-table', keyOf: alarmKey,
       tone: (alarm) => `p-${alarm.priority} s-${sectionOf(alarm, now())}${alarm.active ? '' : ' inactive'}`,
@@ -108,9 +116,10 @@ class PresentAlarms {
         { key: 'check', label: '✓', text: (alarm) => t('alarms.check', { path: alarmKey(alarm) }), checked: (alarm) => this.checked.has(alarmKey(alarm)), toggle: (alarm) => this.toggle(alarm) },
         { key: 'priority', label: t('alarms.priority'), text: (alarm) => `${priorityShapes[alarm.priority] ?? '●'} ${word('priority', alarm.priority)}` },
         { key: 'state', label: t('alarms.state'), text: (alarm) => stateText(alarm, now()) },
-        { key: 'channel', label: t('alarms.channel'), text: (alarm) => `${alarm.bus}/${alarm.device}/${alarm.channel}`, link: (alarm) => channelLink(`${alarm.bus}/${alarm.device}/${alarm.channel}`) },
-        { key: 'limit', label: t('alarms.limit'), text: limitText },
-        { key: 'value', label: t('alarms.value'), text: (alarm) => valueText(context, alarm) },
+        { key: 'channel', label: t('alarms.channel'), text: pathOf, link: (alarm) => channelLink(pathOf(alarm)) },
+        { key: 'limit', label: t('alarms.limit'), text: (alarm) => boundText(this.channelOf(alarm), alarm) },
+        { key: 'value', label: t('alarms.now'), text: (alarm) => t('alarms.now-value', { value: this.nowText(alarm) }) },
+        { key: 'worst', label: t('alarms.worst'), text: (alarm) => t('alarms.worst-value', { value: this.worstText(alarm) }) },
         { key: 'age', label: t('alarms.since'), text: (alarm) => age(now() - alarm.since_ms), hint: (alarm) => fullTime(alarm.since_ms) },
         { key: 'count', label: t('alarms.count'), text: (alarm) => (alarm.chattering ? `⚠ ${alarm.occurrences}×` : alarm.occurrences > 1 ? `${alarm.occurrences}×` : ''),
           hint: (alarm) => (alarm.chattering ? t('alarms.chattering', { n: alarm.occurrences }) : '') },
@@ -118,10 +127,14 @@ class PresentAlarms {
       ],
     });
     this.element.append(this.list.element);
+    this.list.element.addEventListener('pointermove', () => { this.pointedAt = performance.now(); }, { passive: true });
+    this.list.element.addEventListener('pointerleave', () => { this.pointedAt = -Infinity; });
   }
 
+  close(): void { this.worst.close(); }
+
   paint(change: Change): void {
-    if (change.topics.has('alarms') || change.topics.has('catalogue')) this.arrange();
+    if (change.topics.has('alarms') || change.topics.has('catalogue') || (this.held && !this.holds())) this.arrange(this.holds());
     else if (change.second) this.list.paint();
     this.draw();
   }
@@ -132,7 +145,7 @@ class PresentAlarms {
     const inTable = document.activeElement === this.list.element;
     const selected = this.list.selected;
     if (event.key === ' ' && inTable && selected) this.toggle(selected);
-    else if (event.key === 'Enter' && inTable && selected) this.context.go(channelLink(`${selected.bus}/${selected.device}/${selected.channel}`));
+    else if (event.key === 'Enter' && inTable && selected) this.context.go(channelLink(pathOf(selected)));
     else if (event.key === 'a' && this.context.mayOperate()) void this.acknowledge();
     else if (event.key === 's' && this.context.mayOperate()) void this.shelve();
     else if (event.key === 'u' && this.context.mayOperate()) void this.unshelve();
@@ -140,12 +153,40 @@ class PresentAlarms {
     return true;
   }
 
-  private arrange(): void {
+  // The user is about to select a row: the pointer moves over the rows, or some are checked.
+  private holds(): boolean { return this.checked.size > 0 || performance.now() - this.pointedAt < heldFor_ms; }
+
+  private channelOf(alarm: Alarm): Channel | undefined {
+    const { plant } = this.context;
+    return plant.channels.get(plant.ids.get(pathOf(alarm)) ?? -1);
+  }
+
+  // The present value, if it is good.
+  private valueOf(alarm: Alarm): number | undefined {
+    const { plant } = this.context, id = plant.ids.get(pathOf(alarm)) ?? -1, quality = plant.quality[id] ?? notYetRead;
+    return quality === notYetRead || isBad(quality) ? undefined : plant.value[id];
+  }
+
+  private withUnit(alarm: Alarm, value: number | null): string {
+    const channel = this.channelOf(alarm);
+    return `${shownValue(value, channel?.type ?? 'float32')} ${channel?.unit ?? ''}`.trim();
+  }
+
+  private nowText(alarm: Alarm): string {
+    const value = this.valueOf(alarm), { plant } = this.context;
+    return value === undefined ? qualityText(plant.quality[plant.ids.get(pathOf(alarm)) ?? -1] ?? notYetRead) : this.withUnit(alarm, value);
+  }
+
+  private worstText(alarm: Alarm): string { return this.withUnit(alarm, this.worst.of(alarm, this.valueOf(alarm))); }
+
+  private arrange(hold = false): void {
     const { plant } = this.context;
     const { alarms, counts } = arrangeAlarms(plant.alarms.values(), this.choice, this.context.now());
     this.counts = counts;
     for (const key of this.checked) if (!plant.alarms.has(key)) this.checked.delete(key);
-    this.list.set(alarms);
+    this.held = hold && this.list.items.length > 0;
+    this.list.set(this.held ? steadyAlarms(this.list.items, plant.alarms, alarms) : alarms);
+    this.worst.load(this.list.items);
   }
 
   // Returns the checked alarms; if none is checked, the selected one.
@@ -168,6 +209,7 @@ class PresentAlarms {
     if (!alarms.length) return this.context.say(t('alarms.choose'));
     await what(this.context, alarms);
     this.checked.clear();
+    this.pointedAt = -Infinity;
     this.arrange();
     this.draw();
   }
@@ -213,7 +255,7 @@ class PresentAlarms {
       <span class="choice-row" role="group" aria-label=${t('alarms.state')}>${tab(undefined, t('alarms.all'), total)}
         ${sections.map((section) => tab(section, t(`alarms.section-${section}` as Key), this.counts[section]))}</span>
       ${canNotify() ? html`<label class="notices"><input type="checkbox" .checked=${isNotifying()} @change=${this.chooseNotices}> ${t('alarms.notify')}</label>` : nothing}
-      ${this.context.mayOperate() ? this.buttons() : nothing}`, this.tools);
+      ${this.context.mayOperate() ? this.buttons() : nothing}<span class="held muted" role="status">${this.held ? t('alarms.held') : ''}</span>`, this.tools);
     this.element.classList.toggle('none', !this.list.items.length);
     let note = this.element.querySelector('.nothing');
     if (!note) {

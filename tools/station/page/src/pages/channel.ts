@@ -3,11 +3,13 @@
 import { nothing, render } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
+import { ChannelFault, texts as faultTexts } from '../channel_fault';
+import { chartLegend } from '../chart_legend';
 import type { Line } from '../chart';
 import { confirmWrite, outcomeOf } from '../command';
 import type { Outcome } from '../command';
 import type { Context, MakePage, Page } from '../context';
-import { age, clock, duration, exactValue, tableValue } from '../format';
+import { age, clock, duration, exactValue, shownValue, tableValue } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { link } from '../router';
@@ -20,6 +22,7 @@ import { badge, empty, errorText, fact, makeElement, qualityText, toneOfQuality 
 import '../../styles/channel.css';
 
 export const texts = {
+  ...faultTexts,
   'channel.title': ['Channel', '通道'], 'channel.unknown': ['There is no channel {path}.', '没有通道 {path}。'],
   'channel.unknown-hint': ['It may come back with its bridge. Look for it on the page Live.', '它可能随网桥恢复。请在“实时”页面查找。'], 'channel.age': ['Age', '时长'],
   'channel.type': ['Type', '类型'], 'channel.at': ['Address', '地址'], 'channel.access': ['Access', '访问'], 'channel.mode': ['Mode', '模式'],
@@ -51,6 +54,8 @@ class ChannelPage implements Page {
   readonly element = makeElement('channel');
   readonly title: string;
   private readonly facts = document.createElement('section');
+  private readonly faultPlace = document.createElement('div');
+  private readonly why: ChannelFault;
   private readonly tools = document.createElement('div');
   private readonly commands = document.createElement('section');
   private readonly path: string;
@@ -73,6 +78,7 @@ class ChannelPage implements Page {
     this.path = context.route.parts.join('/');
     this.title = this.path;
     this.span_ms = spanOf(context.route.query.get('span'), 600_000);
+    this.why = new ChannelFault(context, () => this.drawFacts());
     this.facts.className = 'card value-card';
     this.tools.className = 'tools';
     this.commands.className = 'card commands';
@@ -95,6 +101,7 @@ class ChannelPage implements Page {
     clearTimeout(this.timer);
     this.asked.abort();
     this.leave?.();
+    this.why.close();
     this.chart?.close();
     this.context.plant.onValue = undefined;
     this.context.plant.watched = -1;
@@ -114,7 +121,7 @@ class ChannelPage implements Page {
     this.tail = new LiveTail(found.mode === 'on-demand' ? 0 : found.refresh_ms);
     if (found.mode !== 'on-demand' && found.refresh_ms >= 50) this.leave = live.subscribe(this.path, found.refresh_ms);
     render(nothing, this.element);
-    this.element.replaceChildren(this.facts, this.tools);
+    this.element.replaceChildren(this.facts, this.faultPlace, this.tools);
     if (!found.type.startsWith('string')) {
       this.chart = new Chart({
         label: t('channel.trend', { path: this.path }), height: chartHeight, limits: found.limits,
@@ -123,7 +130,9 @@ class ChannelPage implements Page {
       });
       const card = document.createElement('section');
       card.className = 'card chart-card';
-      card.append(this.chart.element);
+      const legend = document.createElement('div');
+      render(chartLegend(false), legend);
+      card.append(this.chart.element, legend);
       this.element.append(card);
     }
     this.element.append(this.commands);
@@ -179,7 +188,7 @@ class ChannelPage implements Page {
 
   private showCursor(at_ms: number | undefined, value: number | null | undefined): void {
     const next = at_ms === undefined ? '' :
-      `${clock(at_ms)}  ${typeof value === 'number' ? `${exactValue(value, 'float32')} ${this.channel!.unit}` : '–'}`;
+      `${clock(at_ms)}  ${typeof value === 'number' ? `${shownValue(value, this.channel!.type)} ${this.channel!.unit}` : '–'}`;
     if (next === this.cursor) return;
     this.cursor = next;
     this.drawTools();
@@ -212,7 +221,7 @@ class ChannelPage implements Page {
     const limits = Object.entries(channel.limits).map(([limit, value]) => `${limit} ${value}`).join(', ');
     render(html`
       <div class="value-head">
-        <h1><a href=${link('live', [], { q: `${bus}/*` })}>${bus}</a> / <a href=${link('live', [], { q: `${bus}/${device}/*` })}>${device}</a> / ${name}</h1>
+        <h1><a href=${link('plan', [bus!])}>${bus}</a> / <a href=${link('devices', [bus!, device!])}>${device}</a> / ${name}</h1>
         <p class=${`big-value ${toneOfQuality(quality)}${late ? ' late' : ''}`} title=${this.valueText(true)}><b>${this.valueText(false)}</b> <span class="unit">${channel.unit}</span></p>
         <p class="value-state">${badge(toneOfQuality(quality), qualityText(quality))}
           <span class="muted">${t('channel.age')}</span> <span class=${late ? 'age warn' : 'age'}>${late ? '◆ ' : ''}${acquired_ms ? age(age_ms) : '–'}</span></p>
@@ -224,6 +233,7 @@ class ChannelPage implements Page {
         ${fact(t('channel.refresh'), channel.refresh_ms ? duration(channel.refresh_ms) : '–')}${fact(t('channel.bridge'), channel.bridge)}
         ${fact(t('channel.limits'), limits || t('channel.no-limits'))}
       </dl>`, this.facts);
+    render(this.why.draw(channel, quality, acquired_ms, this.valueText(false)), this.faultPlace);
   }
 
   private drawTools(): void {

@@ -5,20 +5,22 @@ import { render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
+import { chartLegend, swatch } from '../chart_legend';
 import type { Context, MakePage, Page } from '../context';
-import { count, duration, fullTime } from '../format';
+import { count, decimalsOf, duration, fullTime, roundedValue } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
 import { channelLink, link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
+import { timeField, typedRange } from '../time_range';
 import { lineOf } from '../trend';
 import type { History, Series } from '../types';
 import { empty, errorText, makeElement } from '../view';
 
 export const texts = {
   'history.title': ['History', '历史'], 'history.add': ['Add a channel', '添加通道'], 'history.add-hint': ['bus/device/channel', '总线/设备/通道'],
-  'history.from': ['From', '从'], 'history.to': ['To', '到'], 'history.show': ['Show', '显示'], 'history.back': ['Zoom out', '缩小'],
-  'history.csv': ['CSV', 'CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
+  'history.show': ['Show', '显示'], 'history.back': ['Zoom out', '缩小'],
+  'history.csv': ['Save as CSV', '保存为 CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
   'history.none-hint': ['Type a part of a name and take one of the list. The address of this page can be sent.', '输入名称的一部分，再从列表中选择。本页地址可以转发。'],
   'history.no-store': ['This station keeps no history.', '此监控站不保存历史。'],
   'history.no-store-hint': ['Give it a store in its configuration, then it records.', '在其配置中设置存储后即开始记录。'],
@@ -35,12 +37,6 @@ const points = 1000;
 const chartHeight = 380;
 const mostSuggestions = 50;
 const shortest_ms = 1000;
-
-// Format of <input type="datetime-local">.
-function localText(ms: number): string {
-  const at = new Date(ms - new Date(ms).getTimezoneOffset() * 60_000);
-  return at.toISOString().slice(0, 19);
-}
 
 interface Figures {
   min: number;
@@ -168,9 +164,9 @@ class HistoryPage implements Page {
 
   private readonly onSpan = (event: Event): void => {
     event.preventDefault();
-    const data = new FormData(event.target as HTMLFormElement);
-    const from_ms = new Date(String(data.get('from'))).getTime(), to_ms = new Date(String(data.get('to'))).getTime();
-    if (to_ms >= from_ms + shortest_ms) this.go(this.channels, { from_ms, to_ms });
+    const typed = typedRange(new FormData(event.target as HTMLFormElement));
+    if (typed) this.go(this.channels, typed);
+    else this.context.say(t('range.wrong'), true);
   };
 
   private zoomOut(): void {
@@ -193,13 +189,13 @@ class HistoryPage implements Page {
         <div class="choice-row" role="group" aria-label=${t('history.show')}>${spans.map(({ key, ms }) => html`
           <button type="button" class="choice" aria-pressed=${!this.fixed && this.span_ms === ms} @click=${() => this.go(this.channels, { span: key })}>${labelOf(key)}</button>`)}</div>
         <form class="tools" @submit=${this.onSpan}>
-          <label>${t('history.from')} <input type="datetime-local" step="1" name="from" .value=${localText(from_ms)} required></label>
-          <label>${t('history.to')} <input type="datetime-local" step="1" name="to" .value=${localText(to_ms)} required></label>
+          ${timeField('from', from_ms)}${timeField('to', to_ms)}
           <button>${t('history.show')}</button>
         </form>
         <button type="button" @click=${() => this.zoomOut()} ?disabled=${!this.channels.length}>${t('history.back')}</button>
+        ${this.channels.length ? html`<a download href=${query('/api/export', { channel: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' })}>${t('history.csv')}</a>` : ''}
       </div>
-      ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}</section>${this.table()}` :
+      ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}${chartLegend(this.channels.length > 1)}</section>${this.table()}` :
         empty(t('history.none'), t('history.none-hint'))}`, this.element);
   }
 
@@ -216,19 +212,17 @@ class HistoryPage implements Page {
     const series = this.answer?.series.find((each) => each.channel === path);
     const drawn = this.answer?.series.filter((each) => !each.text) ?? [];
     const line = series ? drawn.indexOf(series) : -1;
-    const number = (value: number | null | undefined): string => (typeof value === 'number' && Number.isFinite(value) ? String(Number(value.toPrecision(6))) : '–');
     const figures = series && !series.text ? figuresOf(series) : undefined;
+    const type = series?.type ?? '', decimals = figures ? decimalsOf(type, [figures.min, figures.max]) : 0;
+    const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, type, decimals + more) : '–');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
-    const { from_ms, to_ms } = this.window();
-    const csv = query('/api/export', { pattern: path, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' });
     return html`<tr>
-      <td><span class="swatch s${line + 1}" aria-hidden="true"></span><a href=${channelLink(path)}>${path}</a></td>
+      <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
-      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average)}</td><td class="number">${number(figures?.max)}</td>
+      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
       <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
-      <td><a href=${csv} download=${`${path.replaceAll('/', '_')}.csv`} aria-label=${`${t('history.csv')} ${path}`}>${t('history.csv')}</a>
-        <button type="button" class="plain small" aria-label=${t('history.remove', { path })}
+      <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
   }
 }

@@ -20,5 +20,7 @@ export const texts = {
   'access.read-only': ['read only', '只读'], 'access.read-write': ['read and write', '读写'], 'access.write-only': ['write only', '只写'],
   'mode.intensive': ['intensive', '密集'], 'mode.scheduled': ['scheduled', '定时'], 'mode.on-demand': ['on demand', '按需'], 'result.done': ['done', '已执行'],
   'result.verified': ['written and read back', '已写入并回读'], 'result.rejected': ['rejected', '被拒绝'], 'result.failed': ['failed', '失败'],
-  'result.expired': ['expired', '已过期'],
+  'result.expired': ['expired', '已过期'], 'chart.no-data': ['no data in this time', '此时段无数据'],
+  'chart.band': ['from minimum to maximum', '最小值至最大值'], 'chart.bad': ['bad, or no value in time', '异常，或未按时取得数值'],
+  'chart.strips': ['strip at the bottom in the colour of its curve: bad, or no value in time', '底部与曲线同色的条带：异常，或未按时取得数值'],
 } as const;

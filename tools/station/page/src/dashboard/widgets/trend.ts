@@ -4,6 +4,7 @@ import { nothing, render } from 'lit-html';
 import { query, request } from '../../api';
 import { Chart } from '../../chart';
 import type { Line } from '../../chart';
+import { swatch } from '../../chart_legend';
 import type { Change } from '../../context';
 import type { Reading } from '../reading';
 import { stateText, stateWords } from '../reading';
@@ -65,7 +66,7 @@ export class TrendWidget extends WidgetView {
     });
     this.chart.set(joined, now - this.span_ms, now);
     render(html`${readings.map((reading, index) => html`<li class=${reading.current ? '' : 'stale'} title=${stateWords(reading)}>
-      <span class="swatch s${index + 1}"></span><a href=${channelLink(reading.path)}>${reading.path}</a> <b>${valueText(reading)}</b>
+      ${swatch(index)}<a href=${channelLink(reading.path)}>${reading.path}</a> <b>${valueText(reading)}</b>
       <span class="w-age">${stateText(reading)}</span></li>`)}${this.fault ? html`<li class="bad-text">${this.fault}</li>` : nothing}`, this.legend);
   }
 
