@@ -355,8 +355,9 @@ class Stream(unittest.TestCase):
         text = f"sites: [{{ name: north, dds: {{ domain: {other.domain} }} }}]\nstream: {{ servers: [nats://127.0.0.1:{server.port}] }}\n"
         with Station(other, "both", text, "--listen", "127.0.0.1:0", joins=False) as running:
             web = Browser(running)
-            wait_until(lambda: all_good(web, "south") and site_state(web, "north")["refused_messages"] > 0, SECONDS, running.log)
-            self.assertIn("a site of this station in DDS has the same name; rename one of the two", running.log())
+            fault = "a site of this station in DDS has the same name; rename one of the two"
+            wait_until(lambda: all_good(web, "south") and fault in running.log(), SECONDS, running.log)
+            self.assertIsNone(site_state(web, "north"))
             self.assertEqual(present(web, "north"), {})
 
     def test_9_tls_with_a_client_certificate(self):

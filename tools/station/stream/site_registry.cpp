@@ -41,7 +41,7 @@ std::optional<SiteReport> site_report_from(std::string_view text) {
 SiteRegistry::Entry* SiteRegistry::entry_of(const std::string& site) {
   const auto known = entries_.find(site);
   if (known != entries_.end()) return &known->second;
-  if (entries_.size() >= kMaxSites) return nullptr;
+  if (entries_.size() >= kMaxSites || is_reserved(site)) return nullptr;
   Entry& entry = entries_[site];
   entry.site.site = site;
   return &entry;

@@ -5,8 +5,10 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tools/station/model/live_objects.hpp"
@@ -30,6 +32,11 @@ class SiteRegistry {
   // A change of `heard_at` alone is reported after this time.
   static constexpr Duration kHeardPeriod = std::chrono::seconds{5};
 
+  // Names of sites that this station reads from DDS: the stream must not change them. Call it before
+  // all others.
+  void reserve(std::set<std::string> names) { reserved_ = std::move(names); }
+  [[nodiscard]] bool is_reserved(const std::string& site) const { return reserved_.contains(site); }
+
   // `stored_at`: of a message of the site, by the clock of the server.
   void heard(const std::string& site, UtcTime stored_at);
   void reported(const std::string& site, const SiteReport& report, UtcTime stored_at);
@@ -47,10 +54,11 @@ class SiteRegistry {
     LiveSite site;
     std::optional<LiveSite> reported;  // by the last news
   };
-  // Returns null for a further site. REQUIRES: mutex_ is held.
+  // Returns null for a further or a reserved site. REQUIRES: mutex_ is held.
   Entry* entry_of(const std::string& site);
 
-  std::mutex mutex_;
+  std::set<std::string> reserved_;
+  std::mutex mutex_;  // of the member below
   std::map<std::string, Entry> entries_;
 };
 

@@ -21,7 +21,7 @@ StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string
   StreamShared& shared = state_->shared;
   shared.spec = spec;
   shared.station = station;
-  shared.taken = std::move(taken);
+  shared.sites.reserve(std::move(taken));
   const bool records = store != nullptr && recorder != nullptr;
   state_->threads.emplace_back([&shared, &inbox, recorder, on_alarm = std::move(on_alarm)] {
     run_state(shared, inbox, recorder, on_alarm);

@@ -75,9 +75,8 @@ void MessageReader::refuse(const StreamMessage& message, MessageFault fault) {
 }
 
 bool MessageReader::is_taken(const StreamMessage& message) const {
-  if (shared_.taken.empty()) return false;
   const auto subject = stream_subject_from(message.subject);
-  return subject && shared_.taken.contains(subject->site);
+  return subject && shared_.sites.is_reserved(subject->site);
 }
 
 std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {

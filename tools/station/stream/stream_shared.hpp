@@ -8,7 +8,6 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -26,8 +25,7 @@ inline constexpr std::size_t kStreamParts = 3;
 
 struct StreamShared {
   forward::JetStreamSpec spec;
-  std::string station;          // its name
-  std::set<std::string> taken;  // names of its DDS sites
+  std::string station;  // its name
 
   CatalogueCache catalogues;
   SiteRegistry sites;

@@ -55,6 +55,19 @@ TEST(SiteRegistry, ASiteThatIsHeardAllTheTimeIsReportedSeldom) {
   EXPECT_EQ(reported, 4U);
 }
 
+TEST(SiteRegistry, AReservedSiteIsNotASiteOfTheStream) {
+  SiteRegistry sites;
+  sites.reserve({"north"});
+  sites.heard("north", at(1));
+  sites.reported("north", {.at = at(0)}, at(2));
+  sites.refused("north");
+  EXPECT_TRUE(sites.is_reserved("north"));
+  EXPECT_FALSE(sites.is_reserved("south"));
+  const auto news = sites.news(at(60));
+  EXPECT_TRUE(news.changed.empty());
+  EXPECT_TRUE(news.silent.empty());
+}
+
 TEST(SiteRegistry, TheClockOfASiteIsComparedWithThatOfTheServer) {
   SiteRegistry sites;
   sites.reported("north", {.at = at(0), .backlog_records = 3}, at(2));
