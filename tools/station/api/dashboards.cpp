@@ -225,9 +225,10 @@ HttpResponse file_response(const StoredPicture& picture, const std::string& know
   const std::string etag =
       fmt::format("\"{}-{}\"", picture.document.name, picture.document.version);
   // Opened by itself, the picture is a document of this site: it may load and run nothing.
-  response.headers = {{"content-security-policy", "default-src 'none'; sandbox"},
-                      {"cache-control", "private, no-cache"},
-                      {"etag", etag}};
+  response.headers = {
+      {"content-security-policy", "default-src 'none'; frame-ancestors 'none'; sandbox"},
+      {"cache-control", "private, no-cache"},
+      {"etag", etag}};
   const PictureType type = picture.type == "svg" ? PictureType::kSvg : PictureType::kPng;
   response.content_type = content_type(type);
   if (known == etag)

@@ -99,8 +99,9 @@ const DocumentCheck::Type DocumentCheck::kTypes[] = {
     {"pattern", &DocumentCheck::check_pattern}, {"number", &DocumentCheck::check_number},
     {"integer", &DocumentCheck::check_integer}, {"choice", &DocumentCheck::check_choice},
     {"flag", &DocumentCheck::check_flag},       {"value", &DocumentCheck::check_value},
-    {"cells", &DocumentCheck::check_cells},     {"list", &DocumentCheck::check_list},
-    {"object", &DocumentCheck::check_object},   {"widget", &DocumentCheck::check_widget},
+    {"address", &DocumentCheck::check_address}, {"cells", &DocumentCheck::check_cells},
+    {"list", &DocumentCheck::check_list},       {"object", &DocumentCheck::check_object},
+    {"widget", &DocumentCheck::check_widget},
 };
 
 void DocumentCheck::add_fault(Place place, std::string what, std::string allowed) {
@@ -212,6 +213,27 @@ void DocumentCheck::check_value(const Json& value, const Json&, Place place) {
   else if (!value.is_number() && !value.is_boolean())
     add_fault(place, shown(value) + " is not a value",
               fmt::format("a number, true, false, or a text of at most {} bytes", kMaxPath));
+}
+
+// NAME or NAME?parameter=value&parameter=value: a dashboard of this station.
+void DocumentCheck::check_address(const Json& value, const Json&, Place place) {
+  const bool fits = value.is_string() && value.get_ref<const std::string&>().size() <= kMaxPath;
+  const auto text =
+      fits ? filled(value.get_ref<const std::string&>(), place) : std::optional<std::string>("");
+  if (!text) return;
+  const std::size_t query = std::min(text->find('?'), text->size());
+  bool valid = is_dashboard_name(std::string_view(*text).substr(0, query));
+  for (std::size_t at = query; at < text->size();) {
+    const std::size_t end = std::min(text->find('&', at + 1), text->size());
+    const std::string_view pair = std::string_view(*text).substr(at + 1, end - at - 1);
+    const std::size_t equals = std::min(pair.find('='), pair.size());
+    valid = valid && is_dashboard_name(pair.substr(0, equals)) && equals < pair.size() &&
+            is_word(pair.substr(equals + 1));
+    at = end;
+  }
+  if (!valid)
+    add_fault(place, shown(value) + " is not an address of a dashboard",
+              "NAME, or NAME?parameter=value&parameter=value");
 }
 
 void DocumentCheck::check_cells(const Json& value, const Json&, Place place) {

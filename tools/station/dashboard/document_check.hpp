@@ -39,6 +39,7 @@ class DocumentCheck {
   void check_choice(const Json& value, const Json& row, Place place);
   void check_flag(const Json& value, const Json& row, Place place);
   void check_value(const Json& value, const Json& row, Place place);
+  void check_address(const Json& value, const Json& row, Place place);
   void check_cells(const Json& value, const Json& row, Place place);
   void check_list(const Json& value, const Json& row, Place place);
   void check_object(const Json& value, const Json& row, Place place);

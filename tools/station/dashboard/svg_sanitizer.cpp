@@ -52,7 +52,7 @@ class Writer {
   [[nodiscard]] Attributes attributes_of(const tinyxml2::XMLElement& element, bool in_clip);
   void write_children(const tinyxml2::XMLElement& element, int depth, bool in_clip);
 
-  std::size_t elements_ = 0;
+  std::size_t elements_ = 0, references_ = 0;
   std::string fault_;
 };
 
@@ -60,7 +60,8 @@ void Writer::put(Attributes& kept, const std::string& name, const std::string& v
                  bool in_clip) {
   // A clip path that refers to a clip path would multiply the work of drawing it.
   const bool repeats = in_clip && name == "clip-path";
-  if (!repeats && is_allowed_attribute(name, value))
+  const bool surplus = name == "href" && ++references_ > kMaxSvgReferences;
+  if (!repeats && !surplus && is_allowed_attribute(name, value))
     kept.insert_or_assign(name, value);
   else
     remove(printable(name, kShownName));
@@ -108,10 +109,11 @@ void Writer::write(const tinyxml2::XMLElement& element, int depth, bool in_clip)
   }
   result.text += '<' + name;
   if (depth == 0) result.text += " xmlns=\"http://www.w3.org/2000/svg\"";
-  for (const auto& [key, value] : attributes_of(element, in_clip))
+  const bool clips = in_clip || name == "clipPath";
+  for (const auto& [key, value] : attributes_of(element, clips))
     result.text += fmt::format(" {}=\"{}\"", key, encoded(value));
   result.text += '>';
-  write_children(element, depth, in_clip || name == "clipPath");
+  write_children(element, depth, clips);
   result.text += "</" + name + '>';
 }
 

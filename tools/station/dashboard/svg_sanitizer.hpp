@@ -14,6 +14,8 @@ namespace fieldcast::web {
 
 inline constexpr std::size_t kMaxSvgElements = 20'000;
 inline constexpr int kMaxSvgDepth = 64;
+// A gradient may refer to a gradient; so a chain of them has an end.
+inline constexpr std::size_t kMaxSvgReferences = 500;
 
 struct SanitizedSvg {
   std::string text;

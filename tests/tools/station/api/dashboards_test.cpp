@@ -128,7 +128,8 @@ TEST_F(DashboardsApi, PictureIsServedSanitisedAndWithoutRights) {
   EXPECT_EQ(shown.status, 200u);
   EXPECT_EQ(shown.content_type, "image/svg+xml");
   EXPECT_EQ(shown.body, R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 3 2"></svg>)");
-  EXPECT_EQ(header(shown, "content-security-policy"), "default-src 'none'; sandbox");
+  EXPECT_EQ(header(shown, "content-security-policy"),
+            "default-src 'none'; frame-ancestors 'none'; sandbox");
   HttpRequest again = test::request_of("/api/picture?name=boiler");
   again.if_none_match = header(shown, "etag");
   EXPECT_EQ(ask(again).status, 304u);

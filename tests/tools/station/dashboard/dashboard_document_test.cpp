@@ -63,7 +63,7 @@ TEST(DashboardDocument, EveryKindHasAValidExample) {
     "button": {"channel": "a/b/c", "value": true, "text": "Start", "verify": true},
     "setpoint": {"channel": "a/b/c"},
     "picture": {"picture": "boiler", "values": [{"channel": "a/b/c", "x": 0, "y": 99.5}]},
-    "text": {"text": "Boiler house", "opens": "boilers"}})");
+    "text": {"text": "Boiler house", "opens": "boilers?hall=1"}})");
   const Json format = Json::parse(dashboard_format());
   EXPECT_EQ(examples.size(), format.at("kinds").size());
   for (const auto& [kind, row] : format.at("kinds").items()) {
@@ -134,6 +134,21 @@ TEST(DashboardDocument, EachWrongPropertyIsReportedAtItsPlace) {
   };
   for (const auto& [widget, place] : cases)
     EXPECT_EQ(place_of(with_widget(widget)), place) << widget;
+}
+
+TEST(DashboardDocument, TextOpensADashboardWithParameters) {
+  const auto place = [](const std::string& opens) {
+    Json document = pumps();
+    document["widgets"][0] = {
+        {"kind", "text"}, {"at", {0, 0, 1, 1}}, {"text", "x"}, {"opens", opens}};
+    return place_of(document);
+  };
+  for (const char* valid : {"pumps", "pumps?pump=3", "pumps?pump=${pump}&hall=Nord 1"})
+    EXPECT_EQ(place(valid), "") << valid;
+  for (const char* wrong :
+       {"", "Pumps", "pumps?", "pumps?pump", "pumps?pump=", "pumps?=3", "pumps?a=1&",
+        "pumps?a=1?b=2", "pumps#x", "../x", "javascript:alert(1)", "pumps?a=${b}"})
+    EXPECT_EQ(place(wrong), "widgets[0].opens") << wrong;
 }
 
 TEST(DashboardDocument, NameIsPartOfAnAddress) {

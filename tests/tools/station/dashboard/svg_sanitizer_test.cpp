@@ -122,7 +122,18 @@ TEST(SvgSanitizer, TextCannotBecomeMarkup) {
 TEST(SvgSanitizer, ClipPathCannotReferToClipPaths) {
   EXPECT_EQ(inside("<clipPath id='a'><rect clip-path='url(#a)' width='1'/></clipPath>"),
             "<clipPath id=\"a\"><rect width=\"1\"></rect></clipPath>");
+  EXPECT_EQ(inside("<clipPath id='a' clip-path='url(#b)'/>"), "<clipPath id=\"a\"></clipPath>");
   EXPECT_EQ(inside("<g clip-path='url(#a)'/>"), "<g clip-path=\"url(#a)\"></g>");
+}
+
+TEST(SvgSanitizer, ChainOfGradientsHasAnEnd) {
+  std::string chain;
+  for (std::size_t i = 0; i <= kMaxSvgReferences; ++i)
+    chain +=
+        "<linearGradient href='#g" + std::to_string(i + 1) + "' id='g" + std::to_string(i) + "'/>";
+  const std::string kept = inside(chain);
+  EXPECT_NE(kept.find("href=\"#g500\" id=\"g499\""), std::string::npos);
+  EXPECT_EQ(kept.find("href=\"#g501\""), std::string::npos);
 }
 
 TEST(SvgSanitizer, EntitiesAreRefused) {

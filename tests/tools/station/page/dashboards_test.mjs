@@ -66,6 +66,7 @@ test('one dashboard shows the pump that was chosen', { skip }, async () => {
   assert.equal(await page.locator('a[href="#/channel/boiler-house/device-02/flow-1"]').first().textContent(), 'Flow');
   await page.getByRole('combobox', { name: 'Pump', exact: true }).selectOption('03');
   await until(() => page.url().endsWith('#/dashboard/pumps?pump=03'), 'the address has the parameter');
+  assert.equal(await page.getByRole('link', { name: /Boiler house/ }).getAttribute('href'), '#/dashboard/pumps?pump=03');
   await shown(page, 'a[href="#/channel/boiler-house/device-03/flow-1"]');
   assert.equal(await page.locator('.k-table a[title="boiler-house/device-03/energy-1"]').textContent(), 'energy-1');
   await page.context().close();

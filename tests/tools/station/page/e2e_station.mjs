@@ -90,7 +90,7 @@ test('an engineer makes a dashboard with a picture', async () => {
   assert.deepEqual([conflict.status, conflict.body.error], [409, 'erik has saved version 1 of this dashboard']);
   assert.equal((await post('/api/dashboards/save', { text: dashboard.replace('[0,6,12,6]', '[0,6,13,6]'), base: 1 })).status, 400);
   await go('#/dashboards');
-  await page.getByRole('link', { name: 'Press ${press}' }).click();
+  await page.getByRole('link', { name: 'Press …' }).click();
   await page.getByRole('button', { name: 'Edit', exact: true }).click();
   await page.locator('.handle[aria-label^="Number"]').focus();
   await page.keyboard.press('Shift+ArrowUp');

@@ -5,7 +5,7 @@ const device = 'boiler-house/device-01';
 const pumps = {
   name: 'pumps', title: 'Pump ${pump}', parameters: [{ name: 'pump', title: 'Pump', default: '01', values: ['01', '02', '03'] }], grid: { columns: 12, row_px: 40 },
   widgets: [
-    { kind: 'text', at: [0, 0, 12, 1], text: 'Boiler house, pump ${pump}', opens: 'wall' },
+    { kind: 'text', at: [0, 0, 12, 1], text: 'Boiler house, pump ${pump}', opens: 'pumps?pump=03' },
     { kind: 'number', at: [0, 1, 3, 2], title: 'Flow', channel: 'boiler-house/device-${pump}/flow-1', digits: 1 },
     { kind: 'gauge', at: [3, 1, 3, 4], title: 'Pressure', channel: 'boiler-house/device-${pump}/pressure-1', min: 0, max: 100 },
     { kind: 'level', at: [6, 1, 2, 4], title: 'Level', channel: 'boiler-house/device-${pump}/level-1', min: 0, max: 100 },

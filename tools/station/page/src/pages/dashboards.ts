@@ -114,7 +114,7 @@ class DashboardsPage implements Page {
   private table(dashboards: readonly Head[], engineer: boolean): TemplateResult {
     return html`<div class="scroll" data-scroll tabindex="0" role="group" aria-label=${t('dashboards.title')}><table class="plain"><thead><tr><th>${t('dashboard.title')}</th><th>${t('dashboards.name')}</th><th class="number">${t('dashboards.version')}</th>
         <th>${t('dashboards.saved-by')}</th><th>${t('dashboards.saved-at')}</th>${engineer ? html`<th><span class="unseen">${t('dashboards.delete')}</span></th>` : nothing}</tr></thead>
-      <tbody>${dashboards.map(({ name, title, version, saved_by, saved_ms }) => html`<tr><td><a href=${link('dashboard', [name])}>${title}</a></td><td>${name}</td>
+      <tbody>${dashboards.map(({ name, title, version, saved_by, saved_ms }) => html`<tr><td><a href=${link('dashboard', [name])}>${title.replace(/\$\{[^}]*\}/g, '…')}</a></td><td>${name}</td>
         <td class="number">${version}</td><td>${saved_by}</td><td>${time(saved_ms)}</td>
         ${engineer ? html`<td><button type="button" class="small" aria-label="${t('dashboards.delete')} ${name}" @click=${() => void this.remove(name, '/api/dashboards/delete', { name, base: version })}>${t('dashboards.delete')}</button></td>` : nothing}</tr>`)}
       </tbody></table></div>`;

@@ -1,4 +1,4 @@
-// A heading or a note; it may open another dashboard.
+// A heading or a note; it may open a dashboard.
 
 import { render } from 'lit-html';
 import type { Reading } from '../reading';
@@ -9,6 +9,7 @@ import { link } from '../../router';
 export class TextWidget extends WidgetView {
   protected draw(_: readonly Reading[]): void {
     const { text, opens } = this.widget as unknown as { text: string; opens?: string };
-    render(html`<p class="w-note">${opens ? html`<a href=${link('dashboard', [opens])}>${text}</a>` : text}</p>`, this.body);
+    const [name = '', search = ''] = (opens ?? '').split('?', 2);
+    render(html`<p class="w-note">${opens ? html`<a href=${link('dashboard', [name], Object.fromEntries(new URLSearchParams(search)))}>${text}</a>` : text}</p>`, this.body);
   }
 }
