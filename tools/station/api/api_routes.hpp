@@ -48,7 +48,7 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
 
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
     show_devices, show_history, show_metrics, show_notifications, show_openapi, show_plan,
-    show_result, show_sessions, show_sites, show_users, export_history;
+    show_report, show_result, show_sessions, show_sites, show_users, export_history;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
@@ -94,6 +94,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kPost, "/api/pictures/delete", Access::kEngineer, delete_picture, true},
     {Method::kPost, "/api/pictures/save", Access::kEngineer, save_picture, true, kMaxPictureBody},
     {Method::kGet, "/api/plan", Access::kViewer, show_plan},
+    {Method::kGet, "/api/report", Access::kViewer, show_report, true},
     {Method::kGet, "/api/sessions", Access::kViewer, show_sessions},
     {Method::kPost, "/api/sessions/end", Access::kOperator, end_session},
     {Method::kGet, "/api/sites", Access::kViewer, show_sites},

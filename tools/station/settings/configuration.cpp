@@ -15,6 +15,7 @@
 #include "core/model/channel_pattern.hpp"
 #include "tools/forward/settings/connection_keys.hpp"
 #include "tools/station/settings/notify_keys.hpp"
+#include "tools/station/settings/notify_rows.hpp"
 #include "tools/station/settings/origin_check.hpp"
 #include "tools/station/settings/text_list.hpp"
 
