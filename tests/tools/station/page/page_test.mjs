@@ -19,13 +19,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // Bundles the modules together, so that they share state as in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'channel_fault', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'bus_order', 'channel_fault', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: [...names, 'texts/common', 'texts/causes'].map((path) => `export * as ${path.split('/').pop()} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, channel_fault, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -274,6 +274,12 @@ test('a fault began with the first sample without a value after the last good on
   assert.deepEqual(since([1, 2], [1, 1]), { at_ms: 1, whole: true });
   assert.equal(since([1, 2], [1, 0]), undefined);
   assert.equal(since([], []), undefined);
+});
+
+test('the overview begins with the buses that need attention', () => {
+  const view = (bus, need = {}, more = {}) => ({ bus: { bus, state: 'running', stretch: 1, planned_load: 0.4, ...more }, need: { contested: false, alarms: 0, bad: 0, missed: 0, ...need } });
+  const views = [view('a'), view('b', { missed: 2 }), view('c', { bad: 1 }), view('d', {}, { stretch: 2.5 }), view('e', { alarms: 1 }), view('f', {}, { state: 'closed' }), view('g', { contested: true }), view('h', {}, { state: 'leased' })];
+  assert.equal(bus_order.worstFirst(views).map(({ bus }) => bus.bus).join(''), 'fgedcbah');
 });
 
 const series = (t, average, bad, bucket_ms = 1000) => ({
