@@ -184,4 +184,21 @@ test('the live list of a phone has units, and rows of devices are one line', { s
   }
 });
 
+test('an overloaded bus says what to do, and why refreshes were not read in time', { skip }, async () => {
+  const bus = mock.plant.buses[2];
+  const page = await open('#/overview');
+  await says(page, '.card.bus', /More is wanted than the wire carries.*Refresh less often/);
+  bus.misses = { ...bus.misses, LATE: 9 };
+  bus.causes = { ...bus.causes, NO_ANSWER: bus.causes.NO_ANSWER + 1 };
+  bus.deadline_misses += 9;
+  await says(page, '.card.bus', /Not read in time\. Failed exchanges meanwhile: 1 \(no response\)/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  mock.planLoad = 2.5;
+  await page.evaluate(() => { location.hash = '#/plan/utilities'; });
+  await settled(page);
+  await says(page, '.plan-advice', /2\.50 times as much.*Refresh less often.*needs the most/s);
+  mock.planLoad = 0.46;
+  await page.context().close();
+});
+
 test('no error was told to the console', { skip }, () => assert.deepEqual(browser.faults, []));

@@ -4,6 +4,7 @@ import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
 import { isShelved } from '../alarm_rows';
+import { lateText, overloadText, texts as adviceTexts } from '../bus_advice';
 import { worstFirst } from '../bus_order';
 import type { BusNeed } from '../bus_order';
 import type { Context, MakePage } from '../context';
@@ -17,7 +18,7 @@ import type { Bridge, Bus, Counts, Device } from '../types';
 import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
 
 export const texts = {
-  ...siteTexts,
+  ...siteTexts, ...adviceTexts,
   'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
   'overview.used': ['Used', '占用'], 'overview.planned-hint': ['Share of the wire that the read plan needs', '读取计划所需的总线时间比例'],
   'overview.measured-hint': ['Share of the wire that reading took in the last 10 s', '最近 10 秒读取所占的总线时间比例'],
@@ -35,6 +36,7 @@ export const texts = {
   'overview.clock-behind': ['The clock of this station is {by} behind the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟慢 {by}。请用 NTP 同步两者。'],
   'overview.contested': ['Contested: {bridge} also claims to serve a bus of this name. Stop or rename one of them.', '冲突：{bridge} 也声明服务于同名总线。请停止或重命名其中之一。'],
   'overview.contested-short': ['contested', '冲突'],
+  'overview.late': ['Cause of the last minute', '最近一分钟的原因'],
   'overview.refused': ['{bridge} has a bus of this name and does not serve it, because this bridge does.', '{bridge} 有同名总线，但因本网桥正在服务而未服务该总线。'],
 } as const;
 
@@ -84,6 +86,13 @@ function claims(bridges: ReadonlyMap<string, Bridge>, bus: Bus): { serving: stri
   return { serving: named(true), waiting: named(false) };
 }
 
+// Why refreshes of the last minute were missed although their device responds.
+function lateOf({ plant }: Context, bus: Bus): string | undefined {
+  const loads = plant.loads.get(bus.bus) ?? [], last = loads.at(-1)?.at_ms ?? 0;
+  const timeout_ms = Math.max(0, ...[...plant.devices.values()].filter((device) => device.bus === bus.bus).map((device) => device.timeout_ms));
+  return lateText(loads.filter((load) => last - load.at_ms <= minute_ms), bus, timeout_ms);
+}
+
 interface BusView {
   bus: Bus;
   tally: Tally | undefined;
@@ -111,7 +120,7 @@ function row(context: Context, { bus, tally, alarms, need }: BusView): TemplateR
     <span class="marks">${alarms ? html`<a href=${link('alarms')}>${badge('bad', `${count(alarms)} ${t('overview.alarms')}`)}</a>` : nothing}
       ${need.contested ? badge('bad', t('overview.contested-short')) : nothing}
       ${need.bad ? html`<a href=${link('live', [], { q: `${bus.bus}/*`, bad: '' })}>${badge('bad', `${count(need.bad)} ${t('overview.bad')}`)}</a>` : nothing}
-      ${bus.stretch > 1.005 ? badge('warning', `×${bus.stretch.toFixed(2)}`) : nothing}
+      ${bus.stretch > 1.005 ? html`<span title=${overloadText(bus)}>${badge('warning', `×${bus.stretch.toFixed(2)}`)}</span>` : nothing}
       ${need.missed ? badge('warning', t('overview.last-minute', { n: count(need.missed) })) : nothing}
       ${bus.closed_because ? html`<span class="muted">${word('cause', bus.closed_because)}</span>` : nothing}</span>
     <a class="number" href=${link('live', [], { q: `${bus.bus}/*` })}>${count(tally?.all ?? 0)} ${t('overview.show')}</a>
@@ -127,6 +136,7 @@ function card(context: Context, { bus, tally, alarms }: BusView): TemplateResult
   const device = slowest(plant.devices.values(), bus.bus);
   const ahead_ms = bus.clock_ahead_ms;
   const { serving, waiting } = claims(plant.bridges, bus);
+  const overload = overloadText(bus), late = lateOf(context, bus);
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
   return html`<article class=${reportAge_ms > staleAfter_ms ? 'card bus stale' : 'card bus'} aria-label=${bus.bus}>
@@ -150,7 +160,8 @@ function card(context: Context, { bus, tally, alarms }: BusView): TemplateResult
       ${fact(t('overview.misses'), html`<b>${count(bus.deadline_misses)}</b>${recent?.by ? html` <span class="warn">${
         t('overview.last-minute', { n: count(recent.by) })}</span>` : nothing} ${bus.deadline_misses ? causes(bus.misses) : nothing}`, true)}
       ${fact(t('overview.causes'), causes(bus.causes), true)}
-      ${bus.stretch > 1.005 ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span>`, true) : nothing}
+      ${late ? fact(t('overview.late'), html`<span class="warn">◆ ${late}</span>`, true) : nothing}
+      ${overload ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span> ${overload}`, true) : nothing}
     </dl>
     <footer><a href=${link('live', [], { q: `${bus.bus}/*` })}>${t('overview.show')}</a><a href=${link('plan', [bus.bus])}>${t('overview.plan')}</a></footer>
   </article>`;
