@@ -201,4 +201,25 @@ test('an overloaded bus says what to do, and why refreshes were not read in time
   await page.context().close();
 });
 
+test('History proposes the channels that were looked at last', { skip }, async () => {
+  const page = await open(`#/channel/${device}/flow-1`);
+  await page.evaluate((to) => { location.hash = to; }, `#/channel/${device}/flow-2`);
+  await settled(page);
+  await page.evaluate(() => { location.hash = '#/history'; });
+  await settled(page);
+  await says(page, '.recent', /Looked at last.*flow-2.*flow-1.*The last 2 together/s);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.getByRole('link', { name: 'The last 2 together' }).click();
+  await until(() => /c=.*flow-2&c=.*flow-1/.test(decodeURIComponent(page.url())), 'both are shown');
+  await page.context().close();
+});
+
+test('each page names its document', { skip }, async () => {
+  const page = await open('#/alarms');
+  await page.getByRole('button', { name: 'Keys and documentation' }).click();
+  await says(page, 'dialog', /docs\/alarms\.md/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.context().close();
+});
+
 test('no error was told to the console', { skip }, () => assert.deepEqual(browser.faults, []));
