@@ -27,10 +27,12 @@ const contentSecurity = "default-src 'none'; script-src 'self'; style-src 'self'
   "require-trusted-types-for 'script'; trusted-types lit-html";
 const users = { anna: 'operator', erik: 'engineer', erna: 'engineer', vera: 'viewer' };
 const password = 'secret secret';
-const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
+const namedBuses = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
 export class InventedPlant {
-  constructor(channels) {
+  // `buses`: their number; otherwise the four with names.
+  constructor(channels, buses = 0) {
+    const busNames = buses ? Array.from({ length: buses }, (_, n) => `line-${String(n + 1).padStart(2, '0')}`) : namedBuses;
     const now = Date.now();
     this.channels = [];
     this.alarms = [];
@@ -55,8 +57,8 @@ export class InventedPlant {
     }
     this.byPath = new Map(this.channels.map((channel) => [channel.path, channel]));
     this.buses = busNames.map((bus, index) => ({
-      bus, bridge: index < 2 ? 'north' : 'south', state: index === 3 && channels > 100 ? 'closed' : 'running', utilisation: 0.4 + index * 0.1, planned_load: 0.45 + 0.1 * index,
-      measured_load: 0.42 + 0.1 * index, stretch: index === 2 ? 1.18 : 1, exchanges: 1000, samples: 10_000, commands: 3, deadline_misses: 12 * index,
+      bus, bridge: index < 2 ? 'north' : 'south', state: index === 3 && channels > 100 ? 'closed' : 'running', utilisation: 0.4 + (index % 5) * 0.1, planned_load: 0.45 + 0.1 * (index % 5),
+      measured_load: 0.42 + 0.1 * (index % 5), stretch: index === 2 ? 1.18 : 1, exchanges: 1000, samples: 10_000, commands: 3, deadline_misses: 12 * index,
       bytes_sent: 120_000, bytes_received: 480_000, reopened: index === 3 ? 4 : 0, dds_deadline_misses: 0,
       causes: index ? { NO_ANSWER: 12 * index, CHECKSUM: 3 } : {}, misses: index ? { 'no-answer': 9 * index, overload: 3 * index } : {}, reported_ms: now,
       ...(index === 3 && channels > 100 ? { closed_because: 'PORT_GONE' } : {}),
@@ -180,9 +182,9 @@ function planOf(bus, load = 0.46) {
 
 // Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
 // true, new sockets are rejected.
-export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, role = 'operator', slices = 20 }) {
+export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20, buses = 0, role = 'operator' }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
-  const plant = new InventedPlant(channels);
+  const plant = new InventedPlant(channels, buses);
   const logins = new Map();  // cookie: user
   const cached = new Map();
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
@@ -394,6 +396,6 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   };
   const mock = await startMock({
     files: option('files'), modules: option('modules'), port: Number(option('port', 8090)), channels: Number(option('channels', 10_000)),
-    login: process.argv.includes('--login'), role: option('role', 'operator') });
+    login: process.argv.includes('--login'), role: option('role', 'operator'), buses: Number(option('buses', 0)) });
   console.log(`http://127.0.0.1:${mock.port}/`);
 }

@@ -11,8 +11,8 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
-  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'channel_fault', 'csv', 'plan_picture',
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_advice, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
+  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'bus_advice', 'bus_order', 'channel_fault', 'csv', 'plan_picture',
     'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -287,6 +287,30 @@ test('a fault began with the first sample without a value after the last good on
   assert.deepEqual(since([1, 2], [1, 1]), { at_ms: 1, whole: true });
   assert.equal(since([1, 2], [1, 0]), undefined);
   assert.equal(since([], []), undefined);
+});
+
+test('the overview begins with the buses that need attention', () => {
+  const view = (bus, need = {}, more = {}) => ({ bus: { bus, state: 'running', stretch: 1, planned_load: 0.4, ...more }, need: { contested: false, alarms: 0, bad: 0, missed: 0, ...need } });
+  const views = [view('a'), view('b', { missed: 2 }), view('c', { bad: 1 }), view('d', {}, { stretch: 2.5 }), view('e', { alarms: 1 }), view('f', {}, { state: 'closed' }), view('g', { contested: true }), view('h', {}, { state: 'leased' })];
+  assert.equal(bus_order.worstFirst(views).map(({ bus }) => bus.bus).join(''), 'fgedcbah');
+});
+
+test('an overloaded bus has the words of the log, and a split that its plan allows', () => {
+  assert.match(bus_advice.overloadText({ planned_load: 2.534, stretch: 12.4 }), /^More is wanted than the wire carries, 2\.53 times as much: refreshes are up to 12 times as long as configured\. Refresh less often, .* or split the bus; .fieldcast plan. shows what is enough\.$/);
+  assert.equal(bus_advice.overloadText({ planned_load: 0.9, stretch: 1 }), undefined);
+  const plan = (loads) => ({ groups: Object.entries(loads).map(([name, load]) => ({ device: name, load })) });
+  assert.deepEqual(bus_advice.splitOf(plan({ a: 0.9, b: 0.8, c: 0.05, d: 0.05 })), [['a'], ['b', 'c', 'd']]);
+  assert.equal(bus_advice.splitOf(plan({ a: 1.4, b: 0.2 })), undefined);
+  assert.deepEqual(bus_advice.planAdvice(plan({ a: 1.4, b: 0.2 })), ['a needs the most: 140 % of the wire.']);
+});
+
+test('a refresh that was not read in time is explained by what held the wire', () => {
+  const load = (late, no_answer = 0, commands = 0) => ({ missCauses: { LATE: late }, causes: { NO_ANSWER: no_answer }, commands });
+  const bus = { measured_load: 0.35, planned_load: 0.36 };
+  assert.match(bus_advice.lateText([load(1), load(1, 1), load(10, 1)], bus, 300), /Failed exchanges meanwhile: 1 \(no response\).*up to 300 ms/);
+  assert.match(bus_advice.lateText([load(1), load(1), load(10, 0, 2)], bus, 300), /Commands used the wire meanwhile: 2/);
+  assert.match(bus_advice.lateText([load(1), load(15)], bus, 300), /no exchange failed.*Measured 35 % of planned 36 %/);
+  assert.equal(bus_advice.lateText([load(5), load(5, 3)], bus, 300), undefined);
 });
 
 const series = (t, average, bad, bucket_ms = 1000) => ({

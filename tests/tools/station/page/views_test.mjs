@@ -147,4 +147,79 @@ test('a channel without a good value shows since when, its last value, the attem
   mock.badFrom = undefined;
 });
 
+test('fifty buses are rows, worst first, and fit on a phone', { skip }, async (each) => {
+  const many = await startMock({ files, modules, channels: 2000, buses: 50 });
+  each.after(() => many.close());
+  many.plant.buses[40].state = 'closed';
+  many.plant.alarms.push({ ...many.plant.alarms[0], bus: 'line-30', device: 'device-01', channel: 'temperature-1' });
+  for (const options of [{}, { width: 390, height: 800, dark: true }]) {
+    const page = await browser.open('#/overview', { ...options, base: `http://127.0.0.1:${many.port}` });
+    await settled(page);
+    const rows = page.locator('.bus-row');
+    await until(async () => await rows.count() === 50, 'fifty rows');
+    await says(page, '.bus-row:nth-child(-n+2)', /line-41/);
+    const names = await rows.locator('.name').allTextContents();
+    assert.ok(names.indexOf('line-41') < 2 && names.indexOf('line-04') < 2, names.slice(0, 5).join());
+    assert.ok(names.indexOf('line-30') < 4, names.slice(0, 5).join());
+    if (!options.width) assert.ok((await rows.first().boundingBox()).height <= 40);
+    assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+    await page.getByRole('button', { name: 'Cards' }).click();
+    await until(async () => await page.locator('.card.bus').count() === 50, 'cards');
+    await page.context().close();
+  }
+});
+
+test('the live list of a phone has units, and rows of devices are one line', { skip }, async () => {
+  const phone = await open('#/live?q=flow-1', { width: 390, height: 800 });
+  assert.match(await phone.locator('.vbody .vrow:not([hidden]) .c-unit').first().innerText(), /m³\/h/);
+  assert.deepEqual(await clipped(phone), []);
+  await phone.context().close();
+  for (const [hash, reads] of [['#/devices', /degraded.*refuses 2 addresses/s], ['#/programming', /programming.*otto/s]]) {
+    const page = await open(hash);
+    const row = page.locator('.vrow[aria-rowindex="2"]');
+    assert.match(await row.textContent(), reads);
+    assert.ok((await row.boundingBox()).height <= 31);
+    assert.deepEqual(await clipped(page), []);
+    await page.context().close();
+  }
+});
+
+test('an overloaded bus says what to do, and why refreshes were not read in time', { skip }, async () => {
+  const bus = mock.plant.buses[2];
+  const page = await open('#/overview');
+  await says(page, '.card.bus', /More is wanted than the wire carries.*Refresh less often/);
+  bus.misses = { ...bus.misses, LATE: 9 };
+  bus.causes = { ...bus.causes, NO_ANSWER: bus.causes.NO_ANSWER + 1 };
+  bus.deadline_misses += 9;
+  await says(page, '.card.bus', /Not read in time\. Failed exchanges meanwhile: 1 \(no response\)/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  mock.planLoad = 2.5;
+  await page.evaluate(() => { location.hash = '#/plan/utilities'; });
+  await settled(page);
+  await says(page, '.plan-advice', /2\.50 times as much.*Refresh less often.*needs the most/s);
+  mock.planLoad = 0.46;
+  await page.context().close();
+});
+
+test('History proposes the channels that were looked at last', { skip }, async () => {
+  const page = await open(`#/channel/${device}/flow-1`);
+  await page.evaluate((to) => { location.hash = to; }, `#/channel/${device}/flow-2`);
+  await settled(page);
+  await page.evaluate(() => { location.hash = '#/history'; });
+  await settled(page);
+  await says(page, '.recent', /Looked at last.*flow-2.*flow-1.*The last 2 together/s);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.getByRole('link', { name: 'The last 2 together' }).click();
+  await until(() => /c=.*flow-2&c=.*flow-1/.test(decodeURIComponent(page.url())), 'both are shown');
+  await page.context().close();
+});
+
+test('each page names its document', { skip }, async () => {
+  const page = await open('#/alarms');
+  await page.getByRole('button', { name: 'Keys and documentation' }).click();
+  await says(page, 'dialog', /docs\/alarms\.md/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.context().close();
+});
+
 test('no error was told to the console', { skip }, () => assert.deepEqual(browser.faults, []));

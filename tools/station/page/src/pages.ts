@@ -24,21 +24,22 @@ interface Row {
   key?: string;
   under?: string;
   engineer?: boolean;  // only engineers have it in the head
+  doc?: string;  // its document in docs/, otherwise station.md
 }
 
 const rows = [
   { name: 'overview', module: overview, key: 'o' },
   { name: 'live', module: live, key: 'l' },
-  { name: 'dashboards', module: dashboards, key: 'b' },
-  { name: 'alarms', module: alarms, key: 'a' },
-  { name: 'devices', module: devices, key: 'd' },
-  { name: 'programming', module: programming, key: 'p' },
-  { name: 'history', module: history, key: 'h' },
+  { name: 'dashboards', module: dashboards, key: 'b', doc: 'dashboards.md' },
+  { name: 'alarms', module: alarms, key: 'a', doc: 'alarms.md' },
+  { name: 'devices', module: devices, key: 'd', doc: 'troubleshooting.md' },
+  { name: 'programming', module: programming, key: 'p', doc: 'programming.md' },
+  { name: 'history', module: history, key: 'h', doc: 'store.md' },
   { name: 'audit', module: audit, key: 'u' },
-  { name: 'configuration', module: configuration, key: 'c', engineer: true },
-  { name: 'channel', module: channel, under: 'live' },
-  { name: 'dashboard', module: dashboard, under: 'dashboards' },
-  { name: 'plan', module: plan, under: 'overview' },
+  { name: 'configuration', module: configuration, key: 'c', engineer: true, doc: 'commissioning.md' },
+  { name: 'channel', module: channel, under: 'live', doc: 'qualities.md' },
+  { name: 'dashboard', module: dashboard, under: 'dashboards', doc: 'dashboards.md' },
+  { name: 'plan', module: plan, under: 'overview', doc: 'troubleshooting.md' },
   { name: 'login', module: login },
 ] as const satisfies readonly Row[];
 

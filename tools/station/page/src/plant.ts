@@ -6,7 +6,7 @@ import { neverAcquired, parseFrame } from './frame';
 import type { Frame } from './frame';
 import { notYetRead, isBad } from './types';
 import { SessionRates } from './session_rate';
-import type { Alarm, Bridge, Bus, Channel, Device, Session, Site, Stream } from './types';
+import type { Alarm, Bridge, Bus, Channel, Counts, Device, Session, Site, Stream } from './types';
 
 export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'sites' | 'connection';
 
@@ -22,6 +22,9 @@ export interface Load {
   utilisation: number;
   misses: number;
   exchanges: number;
+  commands: number;
+  causes: Counts;  // of failed exchanges
+  missCauses: Counts;  // of missed refreshes
 }
 
 export interface Tally {
@@ -169,7 +172,8 @@ export class Plant {
     this.buses.set(bus.bus, bus);
     const loads = this.loads.get(bus.bus) ?? [];
     const last = loads.at(-1);
-    const load = { at_ms: bus.reported_ms, utilisation: bus.utilisation, misses: bus.deadline_misses, exchanges: bus.exchanges };
+    const load = { at_ms: bus.reported_ms, utilisation: bus.utilisation, misses: bus.deadline_misses, exchanges: bus.exchanges,
+      commands: bus.commands, causes: bus.causes, missCauses: bus.misses };
     if (!last || bus.reported_ms > last.at_ms) loads.push(load);
     if (loads.length > mostLoads) loads.shift();
     this.loads.set(bus.bus, loads);

@@ -139,6 +139,7 @@ export class Shell {
     ];
     render(html`<form method="dialog"><h2 id="help-title">${t('keys.title')}</h2>
       <dl class="keys">${rows.map(([key, text]) => html`<dt><kbd>${key}</kbd></dt><dd>${text}</dd>`)}</dl>
+      <p>${t('keys.doc', { file: `docs/${pageOf(this.name)?.doc ?? 'station.md'}` })}</p>
       <div class="dialog-buttons"><button class="primary">${t('close')}</button></div></form>`, dialog);
     dialog.addEventListener('close', () => dialog.remove());
     document.body.append(dialog);
@@ -228,6 +229,7 @@ export class Shell {
       <span class="wide">${t('line.channels', { n: count(all) })}</span>
       <span class=${bad ? 'bad' : ''}>${bad ? '▲ ' : ''}${t('line.bad', { n: count(bad) })}</span>
       <span class="space"></span>
+      <button type="button" class="plain help" title=${t('keys.title')} aria-label=${t('keys.doc-button')} @click=${() => this.help()}>?</button>
       <span class="wide muted">${this.me.user} · ${t(`role.${this.me.role}` as Key)}</span>
       <span class="clock">${clock(live.now())}</span>`, this.line);
   }

@@ -12,6 +12,7 @@ import type { Context, MakePage, Page } from '../context';
 import { age, clock, duration, exactValue, shownValue, tableValue } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
+import { noteRecent } from '../recent';
 import { link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
 import { LiveTail, lineOf } from '../trend';
@@ -118,6 +119,7 @@ class ChannelPage implements Page {
     plant.watched = found.id;
     plant.onValue = (each) => this.onValue(each);
     if (!first) return;
+    noteRecent(this.path);
     this.tail = new LiveTail(found.mode === 'on-demand' ? 0 : found.refresh_ms);
     if (found.mode !== 'on-demand' && found.refresh_ms >= 50) this.leave = live.subscribe(this.path, found.refresh_ms);
     render(nothing, this.element);

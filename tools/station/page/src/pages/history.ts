@@ -1,7 +1,7 @@
 // Up to eight channels over any time range: min to max as a band, the average as a line, bad times at the bottom. Every zoom
 // sends a new request, so that the picture has the resolution of the store. The address contains channels and range.
 
-import { render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
@@ -10,6 +10,7 @@ import type { Context, MakePage, Page } from '../context';
 import { count, decimalsOf, duration, fullTime, roundedValue } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
+import { recentChannels } from '../recent';
 import { channelLink, link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
 import { timeField, typedRange } from '../time_range';
@@ -21,6 +22,7 @@ export const texts = {
   'history.title': ['History', '历史'], 'history.add': ['Add a channel', '添加通道'], 'history.add-hint': ['bus/device/channel', '总线/设备/通道'],
   'history.show': ['Show', '显示'], 'history.back': ['Zoom out', '缩小'],
   'history.csv': ['Save as CSV', '保存为 CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
+  'history.recent': ['Looked at last', '最近查看'], 'history.recent-all': ['The last {n} together', '最近 {n} 个一起显示'],
   'history.none-hint': ['Type a part of a name and take one of the list. The address of this page can be sent.', '输入名称的一部分，再从列表中选择。本页地址可以转发。'],
   'history.no-store': ['This station keeps no history.', '此监控站不保存历史。'],
   'history.no-store-hint': ['Give it a store in its configuration, then it records.', '在其配置中设置存储后即开始记录。'],
@@ -196,7 +198,15 @@ class HistoryPage implements Page {
         ${this.channels.length ? html`<a download href=${query('/api/export', { channel: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' })}>${t('history.csv')}</a>` : ''}
       </div>
       ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}${chartLegend(this.channels.length > 1)}</section>${this.table()}` :
-        empty(t('history.none'), t('history.none-hint'))}`, this.element);
+        html`${empty(t('history.none'), t('history.none-hint'))}${this.recent()}`}`, this.element);
+  }
+
+  // Channels that were looked at last, to begin with.
+  private recent(): TemplateResult | typeof nothing {
+    const paths = recentChannels().filter((path) => this.context.plant.ids.has(path));
+    if (!paths.length) return nothing;
+    return html`<section class="card recent"><h2>${t('history.recent')}</h2><ul>${paths.map((path) => html`<li><a href=${link('history', [], { c: path })}>${path}</a></li>`)}</ul>
+      ${paths.length > 1 ? html`<p><a href=${link('history', [], { c: paths.slice(0, mostChannels) })}>${t('history.recent-all', { n: Math.min(mostChannels, paths.length) })}</a></p>` : nothing}</section>`;
   }
 
   private table(): TemplateResult {

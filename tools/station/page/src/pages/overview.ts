@@ -1,10 +1,14 @@
-// A card for each bus: its state, planned and measured load, misses by cause, the slowest device.
+// Each bus, worst first: its state, planned and measured load, misses by cause, the slowest device. Few buses are cards, many are rows.
 
 import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
+import { isShelved } from '../alarm_rows';
+import { lateText, overloadText, texts as adviceTexts } from '../bus_advice';
+import { worstFirst } from '../bus_order';
+import type { BusNeed } from '../bus_order';
 import type { Context, MakePage } from '../context';
-import { age, count, duration } from '../format';
+import { age, count, duration, percent } from '../format';
 import { t, word } from '../i18n';
 import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
@@ -14,7 +18,7 @@ import type { Bridge, Bus, Counts, Device } from '../types';
 import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
 
 export const texts = {
-  ...siteTexts,
+  ...siteTexts, ...adviceTexts,
   'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
   'overview.used': ['Used', '占用'], 'overview.planned-hint': ['Share of the wire that the read plan needs', '读取计划所需的总线时间比例'],
   'overview.measured-hint': ['Share of the wire that reading took in the last 10 s', '最近 10 秒读取所占的总线时间比例'],
@@ -23,7 +27,7 @@ export const texts = {
   'overview.misses': ['Missed refreshes', '错过的刷新'], 'overview.stretch': ['Refreshes stretched by', '刷新周期拉长为'],
   'overview.slowest': ['Slowest device', '最慢的设备'], 'overview.no-misses': ['none', '无'],
   'overview.last-minute': ['+{n} in the last minute', '最近一分钟 +{n}'], 'overview.plan': ['Read plan', '读取计划'],
-  'overview.show': ['Channels', '通道'], 'overview.none': ['No bus is known yet.', '尚无总线。'],
+  'overview.show': ['Channels', '通道'], 'overview.view': ['View', '视图'], 'overview.cards': ['Cards', '卡片'], 'overview.rows': ['Rows', '列表'], 'overview.none': ['No bus is known yet.', '尚无总线。'],
   'overview.none-hint': ['Buses show up here as soon as a bridge of this domain reports them.', '此域中的网桥一旦上报，总线就会显示在这里。'],
   'overview.used-trend': ['Used in the last five minutes', '最近五分钟的占用'], 'overview.alarms': ['Alarms', '报警'],
   'overview.report-age': ['Report', '报告'], 'overview.causes': ['Failed exchanges', '失败的交换'],
@@ -31,9 +35,13 @@ export const texts = {
   'overview.clock-ahead': ['The clock of this station is {by} ahead of the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟快 {by}。请用 NTP 同步两者。'],
   'overview.clock-behind': ['The clock of this station is {by} behind the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟慢 {by}。请用 NTP 同步两者。'],
   'overview.contested': ['Contested: {bridge} also claims to serve a bus of this name. Stop or rename one of them.', '冲突：{bridge} 也声明服务于同名总线。请停止或重命名其中之一。'],
+  'overview.contested-short': ['contested', '冲突'],
+  'overview.late': ['Cause of the last minute', '最近一分钟的原因'],
   'overview.refused': ['{bridge} has a bus of this name and does not serve it, because this bridge does.', '{bridge} 有同名总线，但因本网桥正在服务而未服务该总线。'],
 } as const;
 
+const rowsFrom = 9;  // buses; fewer are cards unless the user chooses
+const viewKey = 'fieldcast.overview';
 const trendFor_ms = 300_000;
 const minute_ms = 60_000;
 const mostClockOffset_ms = 1000;
@@ -78,16 +86,59 @@ function claims(bridges: ReadonlyMap<string, Bridge>, bus: Bus): { serving: stri
   return { serving: named(true), waiting: named(false) };
 }
 
-function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateResult {
+// Why refreshes of the last minute were missed although their device responds.
+function lateOf({ plant }: Context, bus: Bus): string | undefined {
+  const loads = plant.loads.get(bus.bus) ?? [], last = loads.at(-1)?.at_ms ?? 0;
+  const timeout_ms = Math.max(0, ...[...plant.devices.values()].filter((device) => device.bus === bus.bus).map((device) => device.timeout_ms));
+  return lateText(loads.filter((load) => last - load.at_ms <= minute_ms), bus, timeout_ms);
+}
+
+interface BusView {
+  bus: Bus;
+  tally: Tally | undefined;
+  need: BusNeed;
+  alarms: number;  // active
+}
+
+function viewOf(context: Context, bus: Bus, tally: Tally | undefined): BusView {
+  const { plant } = context;
+  const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus);
+  return {
+    bus, tally, alarms: alarms.filter((alarm) => alarm.active).length,
+    need: {
+      contested: claims(plant.bridges, bus).serving !== '', bad: tally?.bad ?? 0, missed: grown(plant.loads.get(bus.bus) ?? [], 'misses', minute_ms)?.by ?? 0,
+      alarms: alarms.filter((alarm) => alarm.active && !alarm.suppressed && !isShelved(alarm, context.now())).length,
+    },
+  };
+}
+
+// One line for each of many buses.
+function row(context: Context, { bus, tally, alarms, need }: BusView): TemplateResult {
+  const stale = context.now() - bus.reported_ms > staleAfter_ms;
+  return html`<li class=${stale ? 'bus-row stale' : 'bus-row'} aria-label=${bus.bus}>
+    <b class="name"><a href=${link('plan', [bus.bus])} title=${bus.bus}>${bus.bus}</a></b>${stateBadge(bus.state)}
+    <span class="marks">${alarms ? html`<a href=${link('alarms')}>${badge('bad', `${count(alarms)} ${t('overview.alarms')}`)}</a>` : nothing}
+      ${need.contested ? badge('bad', t('overview.contested-short')) : nothing}
+      ${need.bad ? html`<a href=${link('live', [], { q: `${bus.bus}/*`, bad: '' })}>${badge('bad', `${count(need.bad)} ${t('overview.bad')}`)}</a>` : nothing}
+      ${bus.stretch > 1.005 ? html`<span title=${overloadText(bus)}>${badge('warning', `×${bus.stretch.toFixed(2)}`)}</span>` : nothing}
+      ${need.missed ? badge('warning', t('overview.last-minute', { n: count(need.missed) })) : nothing}
+      ${bus.closed_because ? html`<span class="muted">${word('cause', bus.closed_because)}</span>` : nothing}</span>
+    <a class="number" href=${link('live', [], { q: `${bus.bus}/*` })}>${count(tally?.all ?? 0)} ${t('overview.show')}</a>
+    <span class="number" title=${t('overview.planned-hint')}><span class="muted">${t('overview.planned')}</span> ${percent(bus.planned_load)}</span>
+    <span class="number" title=${t('overview.used-hint')}><span class="muted">${t('overview.used')}</span> ${percent(bus.utilisation)}</span>
+    ${trend(context.plant.loads.get(bus.bus) ?? [])}</li>`;
+}
+
+function card(context: Context, { bus, tally, alarms }: BusView): TemplateResult {
   const { plant } = context;
   const reportAge_ms = context.now() - bus.reported_ms;
   const loads = plant.loads.get(bus.bus) ?? [];
   const device = slowest(plant.devices.values(), bus.bus);
   const ahead_ms = bus.clock_ahead_ms;
   const { serving, waiting } = claims(plant.bridges, bus);
+  const overload = overloadText(bus), late = lateOf(context, bus);
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
-  const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus && alarm.active).length;
   return html`<article class=${reportAge_ms > staleAfter_ms ? 'card bus stale' : 'card bus'} aria-label=${bus.bus}>
     <header><h2><a href=${link('live', [], { q: `${bus.bus}/*` })}>${bus.bus}</a></h2>${stateBadge(bus.state)}</header>
     <p class="muted sub">${bus.bridge}${bus.closed_because ? ` · ${t('overview.because', { cause: word('cause', bus.closed_because) })}` : ''}
@@ -109,7 +160,8 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
       ${fact(t('overview.misses'), html`<b>${count(bus.deadline_misses)}</b>${recent?.by ? html` <span class="warn">${
         t('overview.last-minute', { n: count(recent.by) })}</span>` : nothing} ${bus.deadline_misses ? causes(bus.misses) : nothing}`, true)}
       ${fact(t('overview.causes'), causes(bus.causes), true)}
-      ${bus.stretch > 1.005 ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span>`, true) : nothing}
+      ${late ? fact(t('overview.late'), html`<span class="warn">◆ ${late}</span>`, true) : nothing}
+      ${overload ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span> ${overload}`, true) : nothing}
     </dl>
     <footer><a href=${link('live', [], { q: `${bus.bus}/*` })}>${t('overview.show')}</a><a href=${link('plan', [bus.bus])}>${t('overview.plan')}</a></footer>
   </article>`;
@@ -117,12 +169,22 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
 
 export const page: MakePage = (context) => {
   const element = makeElement('overview');
+  let chosen = localStorage.getItem(viewKey);
   const draw = (): void => {
-    const buses = [...context.plant.buses.values()].sort((a, b) => a.bus.localeCompare(b.bus));
-    const tallies = context.plant.count();
-    render(html`<h1 class="unseen">${t('overview.title')}</h1>${sitesSection(context.plant, context.now())}
-      ${buses.length ? html`<div class="cards">${repeat(buses, (bus) => bus.bus, (bus) => card(context, bus, tallies.get(bus.bus)))}</div>` :
-        context.plant.stream ? nothing : empty(t('overview.none'), t('overview.none-hint'))}`, element);
+    const { plant } = context, tallies = plant.count();
+    const views = worstFirst([...plant.buses.values()].map((bus) => viewOf(context, bus, tallies.get(bus.bus))));
+    const asRows = chosen ? chosen === 'rows' : views.length >= rowsFrom;
+    const choose = (view: string) => (): void => {
+      localStorage.setItem(viewKey, (chosen = view));
+      draw();
+    };
+    const choice = (view: 'cards' | 'rows'): TemplateResult => html`<button type="button" class="choice" aria-pressed=${asRows === (view === 'rows')}
+      @click=${choose(view)}>${t(`overview.${view}`)}</button>`;
+    render(html`<h1 class="unseen">${t('overview.title')}</h1>${sitesSection(plant, context.now())}
+      ${views.length > 1 ? html`<div class="choice-row view-choice" role="group" aria-label=${t('overview.view')}>${choice('cards')}${choice('rows')}</div>` : nothing}
+      ${asRows && views.length ? html`<ul class="bus-rows">${repeat(views, ({ bus }) => bus.bus, (view) => row(context, view))}</ul>` :
+        views.length ? html`<div class="cards">${repeat(views, ({ bus }) => bus.bus, (view) => card(context, view))}</div>` :
+        plant.stream ? nothing : empty(t('overview.none'), t('overview.none-hint'))}`, element);
   };
   return {
     element,
