@@ -1,12 +1,14 @@
 // The configuration of a mock station: /api/configuration with the schema and the device templates of
 // the tree. Its loader knows a few faults only, its plan counts devices.
 
+import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const config = join(dirname(fileURLToPath(import.meta.url)), '../../../../config');
 const watchFor_ms = 30_000;
+export const versionOf = (text) => createHash('sha256').update(text).digest('hex').slice(0, 16);
 
 export const firstText = `# The plant of the north.
 bridge: north
@@ -70,7 +72,7 @@ function planOf(text) {
 export class MockConfiguration {
   constructor() {
     this.text = firstText;
-    this.versions = [{ version: 1, who: 'erna', why: 'commissioning', at_ms: Date.now() - 8.64e7, state: 'confirmed', text: firstText }];
+    this.versions = [{ version: versionOf(firstText), who: 'erna', why: 'commissioning', at_ms: Date.now() - 8.64e7, state: 'confirmed by erna', text: firstText }];
     this.watch = null;
     this.protected = [{ line: 3, why: 'listen addresses are changed on the machine' }];
     this.schema = JSON.parse(readFileSync(join(config, 'fieldcast.schema.json'), 'utf8'));
@@ -78,17 +80,19 @@ export class MockConfiguration {
     this.probed = [];
   }
 
-  get version() { return this.versions.at(-1).version; }
+  get version() { return versionOf(this.text); }
 
   put(text, who, why) {
     this.text = text;
-    this.versions.push({ version: this.version + 1, who, why, at_ms: Date.now(), state: 'watching', text });
+    this.versions = this.versions.filter(({ version }) => version !== this.version);
+    this.versions.push({ version: this.version, who, why, at_ms: Date.now(), state: 'watching', text });
     this.watch = { version: this.version, until_ms: Date.now() + watchFor_ms, state: 'watching' };
     return [200, { version: this.version, until_ms: this.watch.until_ms }];
   }
 
   end(state) {
-    this.watch.state = this.versions.at(-1).state = state;
+    this.versions.at(-1).state = state;
+    this.watch = null;
   }
 
   // Returns [status, body], or undefined if there is no such resource.
@@ -98,8 +102,8 @@ export class MockConfiguration {
       case '/api/configuration': return [200, { bridge, path: '/etc/fieldcast/north.yaml', version: this.version, text: this.text, files: [{ name: 'press-3.csv', text: 'name,at,type\nflow,40001,int16\n' }], protected: this.protected, watch: this.watch }];
       case '/api/configuration/schema': return [200, this.schema];
       case '/api/configuration/templates': return [200, this.templates];
-      case '/api/configuration/versions': return [200, this.versions.map(({ text: _, ...each }) => each)];
-      case '/api/configuration/version': return [200, { text: this.versions.find(({ version }) => version === Number(url.searchParams.get('version'))).text }];
+      case '/api/configuration/versions': return [200, this.versions.map(({ text: _, ...each }) => each).reverse()];
+      case '/api/configuration/version': return [200, { text: this.versions.find(({ version }) => version === url.searchParams.get('version')).text }];
       default: return undefined;
     }
   }
@@ -110,18 +114,18 @@ export class MockConfiguration {
       case '/api/configuration/deploy':
         if (body.base !== this.version) return [409, { error: 'the configuration was changed by somebody else', hint: 'Merge both changes.', version: this.version, text: this.text }];
         return this.put(body.text, user, body.why);
-      case '/api/configuration/confirm': this.end('confirmed'); return [200, {}];
+      case '/api/configuration/confirm': this.end(`confirmed by ${user}`); return [200, {}];
       case '/api/configuration/rollback': {
-        const before = this.watch?.state === 'watching' ? this.versions.at(-2) : this.versions.find(({ version }) => version === body.version);
-        if (this.watch?.state === 'watching') this.end('rolled-back');
-        this.put(before.text, user, body.why);
-        this.end('confirmed');
-        return [200, {}];
+        const { text } = this.versions.find(({ version }) => version === body.version);
+        if (!this.watch) return this.put(text, user, body.why);
+        this.end(`rolled back by ${user}: ${body.why}`);
+        this.text = text;
+        return [200, { version: this.version, until_ms: null }];
       }
       case '/api/configuration/import': return [200, this.imported ?? {
         text: 'channels:\n  - { name: flow, at: "holding:0", type: int16 }\n  - { name: level, at: "holding:1", type: int16 }\n',
-        moved: [{ from: 'row 2: flow, 40001', to: 'flow at holding:0' }, { from: 'row 3: level, 40002', to: 'level at holding:1' }],
-        refusals: [{ where: 'row 4: alarm', why: 'type enum16 is unknown' }] }];
+        moved: [{ from: 'row 2: flow, 40001', to: 'flow at holding:0', change: '' }, { from: 'row 3: level, 40002', to: 'level at holding:1', change: 'counted from 0' }],
+        refusals: [{ where: 'row 4: alarm', why: 'type enum16 is unknown' }], recognised: ['a list with the columns name, at'], notes: [] }];
       case '/api/configuration/scan': return [200, { found: [{ address: '7', protocol: 'modbus-rtu', description: 'Carlo Gavazzi EM24', templates: ['carlo-gavazzi-em24'] }] }];
       case '/api/configuration/probe':
         this.probed.push(body);

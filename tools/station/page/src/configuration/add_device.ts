@@ -25,7 +25,7 @@ export interface Host {
 type Source = 'template' | 'file' | 'scan';
 const sources: readonly Source[] = ['template', 'file', 'scan'];
 const mostTemplates = 30, mostRows = 200;
-const largestFile = 4_000_000;
+const largestFile = 3_000_000;
 
 export class AddDevice {
   private source: Source = 'template';
@@ -164,7 +164,7 @@ export class AddDevice {
       void this.readFile(event.dataTransfer?.files[0]);
     };
     const { imported } = this;
-    const table = (name: string, head: readonly [string, string], rows: readonly (readonly [string, string])[]): TemplateResult => html`
+    const table = (name: string, head: readonly string[], rows: readonly (readonly string[])[]): TemplateResult => html`
       <h3>${name} (${rows.length})</h3><div class="scroll" data-scroll tabindex="0" role="region" aria-label=${name}><table class="plain">
         <thead><tr>${head.map((each) => html`<th scope="col">${each}</th>`)}</tr></thead>
         <tbody>${rows.slice(0, mostRows).map((row) => html`<tr>${row.map((each) => html`<td>${each}</td>`)}</tr>`)}</tbody></table></div>
@@ -172,8 +172,9 @@ export class AddDevice {
     return html`<div class="drop" @dragover=${(event: Event) => event.preventDefault()} @drop=${drop}><p>${t('configuration.drop')}</p>
         <input type="file" aria-label=${t('configuration.choose-file')} @change=${(event: Event) => void this.readFile((event.target as HTMLInputElement).files?.[0])}></div>
       ${imported ? html`<p><b>${this.fileName}</b>: ${this.items().length ? t('configuration.devices-found', { n: this.items().length }) : t('configuration.nothing-found')}</p>
+        ${[...imported.recognised, ...imported.notes].map((note) => html`<p class="muted">${note}</p>`)}
         ${imported.refusals.length ? table(t('configuration.refused'), [t('configuration.from'), t('configuration.why')], imported.refusals.map(({ where, why }) => [where, why])) : nothing}
-        ${imported.moved.length ? table(t('configuration.moved'), [t('configuration.from'), t('configuration.to')], imported.moved.map(({ from, to }) => [from, to])) : nothing}` : nothing}`;
+        ${imported.moved.length ? table(t('configuration.moved'), [t('configuration.from'), t('configuration.to'), t('configuration.change')], imported.moved.map(({ from, to, change }) => [from, to, change])) : nothing}` : nothing}`;
   }
 
   private scanPart(): TemplateResult {

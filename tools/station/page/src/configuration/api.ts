@@ -8,15 +8,15 @@ export interface Protected {
 }
 
 export interface Watch {
-  version: number;
-  until_ms: number;
-  state: string;
+  version: string;
+  until_ms: number | null;
+  state: string;  // reloading, watching
 }
 
 export interface Configuration {
   bridge: string;
   path: string;
-  version: number;
+  version: string;
   text: string;
   files: { name: string; text: string }[];
   protected: Protected[];
@@ -55,17 +55,19 @@ export interface Checked {
 }
 
 export interface Version {
-  version: number;
+  version: string;
   who: string;
   why: string;
   at_ms: number;
-  state: string;
+  state: string;  // found, watching, or how the watch ended
 }
 
 export interface Imported {
   text: string;
-  moved: { from: string; to: string }[];
+  moved: { from: string; to: string; change: string }[];
   refusals: { where: string; why: string }[];
+  recognised: string[];
+  notes: string[];
 }
 
 export interface Found {
@@ -88,12 +90,13 @@ export const read = (bridge: string): Promise<Configuration> => request(query(ro
 export const readSchema = (): Promise<object> => request(`${root}/schema`);
 export const readTemplates = (): Promise<Template[]> => request(`${root}/templates`);
 export const check = (bridge: string, text: string, signal?: AbortSignal): Promise<Checked> => request(`${root}/check`, { bridge, text }, signal);
-export const deploy = (bridge: string, base: number, text: string, why: string): Promise<Omit<Watch, 'state'>> =>
+export const deploy = (bridge: string, base: string, text: string, why: string): Promise<Omit<Watch, 'state'>> =>
   request(`${root}/deploy`, { bridge, base, text, why });
-export const confirm = (bridge: string, version: number): Promise<unknown> => request(`${root}/confirm`, { bridge, version });
-export const rollBack = (bridge: string, version: number, why: string): Promise<unknown> => request(`${root}/rollback`, { bridge, version, why });
+export const confirm = (bridge: string, version: string): Promise<unknown> => request(`${root}/confirm`, { bridge, version });
+export const rollBack = (bridge: string, version: string, why: string): Promise<unknown> => request(`${root}/rollback`, { bridge, version, why });
+// Newest first.
 export const versions = (bridge: string): Promise<Version[]> => request(query(`${root}/versions`, { bridge }));
-export const versionText = async (bridge: string, version: number): Promise<string> =>
+export const versionText = async (bridge: string, version: string): Promise<string> =>
   (await request<{ text: string }>(query(`${root}/version`, { bridge, version }))).text;
 export const importFile = (name: string, content_base64: string): Promise<Imported> => request(`${root}/import`, { name, content_base64 });
 export const scan = async (bridge: string, bus: string): Promise<Found[]> => (await request<{ found: Found[] }>(`${root}/scan`, { bridge, bus })).found;

@@ -25,7 +25,7 @@ export async function askDeploy(draft: Draft, checked: Checked): Promise<string 
   return answer?.get('why')?.toString();
 }
 
-export async function askReturn(version: number): Promise<string | undefined> {
+export async function askReturn(version: string): Promise<string | undefined> {
   const answer = await ask({ title: t('configuration.return-of', { version }), confirm: t('configuration.return'), body: whyField() });
   return answer?.get('why')?.toString();
 }

@@ -61,6 +61,7 @@ export class ConfigurationPage implements Page {
   private readonly watching: Watching;
   private fault = '';
   private parseTimer = 0;
+  private parsed_ms = 0;  // duration of the last parsing: a large text waits longer for a pause in typing
   private checkTimer = 0;
   private closed = false;
 
@@ -73,7 +74,7 @@ export class ConfigurationPage implements Page {
       redo: () => this.step('redo'),
       complete: (text, offset) => complete(text, offset, this.schema),
     }, t('configuration.text'));
-    this.watching = new Watching(context, this.bridge, (read) => this.readAgain(read));
+    this.watching = new Watching(context, this.bridge, (read) => this.readAgain(read), () => this.draw());
     if (context.route.parts[1] === 'versions')
       this.versions = new Versions({ bridge: this.bridge, now: () => context.now(), draw: () => this.draw(), say: context.say, returned: () => void this.load(true) });
     void this.load();
@@ -92,7 +93,7 @@ export class ConfigurationPage implements Page {
     if (!change.second) return;
     this.adding?.tick();
     this.watching.tick();
-    if (this.watching.shown || this.adding) this.draw();
+    if (this.watching.running || this.adding) this.draw();
   }
 
   // `fresh`: the configuration in force was changed by this page; the draft is replaced.
@@ -137,7 +138,7 @@ export class ConfigurationPage implements Page {
     this.draft.set(text, typed_ms);
     clearTimeout(this.parseTimer);
     if (typed_ms === undefined) this.parse();
-    else this.parseTimer = window.setTimeout(() => this.parse(), parseAfter_ms);
+    else this.parseTimer = window.setTimeout(() => this.parse(), Math.max(parseAfter_ms, 3 * this.parsed_ms));
     this.checkSoon(checkAfter_ms);
   }
 
@@ -152,7 +153,9 @@ export class ConfigurationPage implements Page {
   private parse(): void {
     const { draft } = this;
     if (!draft || this.closed) return;
+    const begun = performance.now();
     this.tree = parseTree(draft.text);
+    this.parsed_ms = performance.now() - begun;
     this.lines = protectedLines(draft.base.text, draft.base.protected, draft.text);
     while (this.chosen.length && !nodeAt(this.tree, this.chosen)) this.chosen = this.chosen.slice(0, -2);
     this.mark();

@@ -26,7 +26,7 @@ export interface VersionsHost {
 export class Versions {
   private list: readonly Version[] | undefined;
   private fault = '';
-  private shown: { version: number; before: string; after: string } | undefined;
+  private shown: { version: string; before: string; after: string } | undefined;
 
   constructor(private readonly host: VersionsHost) {
     void this.load();
@@ -34,7 +34,7 @@ export class Versions {
 
   private async load(): Promise<void> {
     try {
-      this.list = [...await api.versions(this.host.bridge)].sort((a, b) => b.version - a.version);
+      this.list = await api.versions(this.host.bridge);
     } catch (error) {
       this.fault = errorText(error);
     }
@@ -50,13 +50,13 @@ export class Versions {
     this.host.draw();
   }
 
-  private readonly show = (version: number): Promise<void> => this.run(async () => {
-    const before = this.list?.find((each) => each.version < version);
-    const text = (of: number): Promise<string> => api.versionText(this.host.bridge, of);
+  private readonly show = (version: string): Promise<void> => this.run(async () => {
+    const before = this.list?.[this.list.findIndex((each) => each.version === version) + 1];
+    const text = (of: string): Promise<string> => api.versionText(this.host.bridge, of);
     this.shown = { version, before: before ? await text(before.version) : '', after: await text(version) };
   });
 
-  private readonly download = (version: number): Promise<void> => this.run(async () =>
+  private readonly download = (version: string): Promise<void> => this.run(async () =>
     save(`${this.host.bridge}-${version}.yaml`, await api.versionText(this.host.bridge, version), 'application/yaml'));
 
   // An archive of what is in force, every kept version, and who deployed it and why.
@@ -70,7 +70,7 @@ export class Versions {
       { name: `${bridge}/versions.csv`, text: csvText(['version', 'time', 'who', 'why', 'state'], rows), at_ms: this.host.now() }]), 'application/x-tar');
   });
 
-  private readonly goBack = (version: number): Promise<void> => this.run(async () => {
+  private readonly goBack = (version: string): Promise<void> => this.run(async () => {
     const why = await askReturn(version);
     if (why === undefined) return;
     await api.rollBack(this.host.bridge, version, why);

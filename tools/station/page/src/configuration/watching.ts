@@ -10,17 +10,19 @@ import * as api from './api';
 import type { Configuration, Watch } from './api';
 
 const readEvery_ms = 2000;
+const watchFor_ms = 30_000;  // while the bridge reloads, the end is not known
 
 export class Watching {
   private watch: Watch | undefined;
+  private ended = '';  // version and how its watch ended
   private badBefore: number | undefined;  // before a deployment of this page
   private readAt = 0;
 
   // `adopt` is called with each configuration that was read.
-  constructor(private readonly context: Context, private readonly bridge: string, private readonly adopt: (read: Configuration) => void) {}
+  constructor(private readonly context: Context, private readonly bridge: string, private readonly adopt: (read: Configuration) => void,
+    private readonly drawn: () => void) {}
 
-  get running(): boolean { return this.watch?.state === 'watching'; }
-  get shown(): boolean { return this.watch !== undefined; }
+  get running(): boolean { return this.watch !== undefined; }
 
   // Bad channels of this bridge.
   badChannels(): number {
@@ -31,13 +33,27 @@ export class Watching {
   begin(watch: Watch, badBefore: number): void {
     this.watch = watch;
     this.badBefore = badBefore;
+    this.ended = '';
     this.readAt = performance.now();
   }
 
-  // A configuration was read. Without a watch, the last one has ended.
-  update({ watch, version }: Configuration): void {
-    if (watch) this.watch = watch;
-    else if (this.running) this.watch = { ...this.watch!, state: version === this.watch!.version ? 'kept' : 'rolled-back' };
+  // A configuration was read. Without a watch, the last one has ended; the list of versions has how.
+  update({ watch }: Configuration): void {
+    const before = this.watch;
+    this.watch = watch ?? undefined;
+    if (before && !watch) void this.end(before.version);
+  }
+
+  private async end(version: string): Promise<void> {
+    const rows = await api.versions(this.bridge).catch(() => []);
+    this.ended = t('configuration.ended', { version, state: word('version', rows.find((each) => each.version === version)?.state ?? 'ended') });
+    this.drawn();
+  }
+
+  // The version before the watched one.
+  private async rollBack(): Promise<void> {
+    const rows = await api.versions(this.bridge), former = rows[rows.findIndex(({ version }) => version === this.watch!.version) + 1];
+    if (former) await api.rollBack(this.bridge, former.version, t('configuration.roll-back-why'));
   }
 
   tick(): void {
@@ -57,13 +73,12 @@ export class Watching {
 
   view(): TemplateResult {
     const { watch, badBefore } = this;
-    if (!watch) return html`${nothing}`;
-    const left_s = Math.max(0, Math.ceil((watch.until_ms - this.context.now()) / 1000)), { version } = watch;
-    if (!this.running) return html`<section class="card watch" role="status">${t('configuration.ended', { version, state: word('version', watch.state) })}</section>`;
+    if (!watch) return this.ended ? html`<section class="card watch" role="status">${this.ended}</section>` : html`${nothing}`;
+    const left_s = Math.max(0, Math.ceil(((watch.until_ms ?? this.context.now() + watchFor_ms) - this.context.now()) / 1000)), { version } = watch;
     const bad = this.badChannels();
     return html`<section class="card watch" role="status" aria-live="off" tabindex="-1"><p>${t('configuration.watch', { version, s: left_s })}
         <b class=${bad > (badBefore ?? bad) ? 'bad' : ''}>${badBefore === undefined ? t('line.bad', { n: bad }) : t('configuration.bad-now', { n: bad, before: badBefore })}</b></p>
       <button type="button" class="primary" @click=${() => void this.finish(() => api.confirm(this.bridge, version))}>${t('configuration.keep')}</button>
-      <button type="button" class="danger" @click=${() => void this.finish(() => api.rollBack(this.bridge, version, t('configuration.roll-back-why')))}>${t('configuration.roll-back')}</button></section>`;
+      <button type="button" class="danger" @click=${() => void this.finish(() => this.rollBack())}>${t('configuration.roll-back')}</button></section>`;
   }
 }
