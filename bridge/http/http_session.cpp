@@ -71,7 +71,7 @@ std::string head_of(const Request& request) {
 struct HttpSession::Parser {
   Parser(const HttpLimits& limits) {
     parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
-    parser.body_limit(limits.body_bytes);
+    parser.body_limit(std::max(limits.body_bytes, limits.long_body_bytes));
     parser.eager(true);
   }
   http::request_parser<http::string_body> parser;
@@ -180,11 +180,16 @@ void HttpSession::parse() {
       return refuse(431, "the header is too long",
                     fmt::format("at most {} bytes", server_.limits.header_bytes));
     if (fault == http::error::body_limit)
-      return refuse(413, "the body is too long",
-                    fmt::format("at most {} bytes", server_.limits.body_bytes));
+      return refuse(413, "the body is too long", fmt::format("at most {} bytes", body_limit_));
     if (fault) return refuse(400, "no HTTP request", "send HTTP/1.1");
     if (parser.is_header_done() && parser_->fields == 0) {
       parser_->fields = count_of(parser.get());
+      body_limit_ = server_.service.takes_long_body(raw_of(parser.get(), peer_))
+                        ? server_.limits.long_body_bytes
+                        : server_.limits.body_bytes;
+      parser.body_limit(body_limit_);
+      if (parser.content_length().value_or(0) > body_limit_)
+        return refuse(413, "the body is too long", fmt::format("at most {} bytes", body_limit_));
       enter(State::kRequest, server_.limits.body);
     }
     if (used == 0) break;

@@ -17,13 +17,14 @@ namespace fieldcast::web {
 struct HttpLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
-  Duration idle = std::chrono::seconds{75};      // between two requests
-  Duration header = std::chrono::seconds{10};    // from its first to its last byte
-  Duration body = std::chrono::seconds{10};      // from the end of the header to the last byte
-  Duration handler = std::chrono::seconds{60};   // for the service's response
-  Duration progress = std::chrono::seconds{30};  // for a client to receive part of the response
-  Duration response = std::chrono::hours{24};    // for a client to receive a whole response
-  Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
+  std::size_t long_body_bytes = 5 * 1024 * 1024;  // of requests with takes_long_body()
+  Duration idle = std::chrono::seconds{75};       // between two requests
+  Duration header = std::chrono::seconds{10};     // from its first to its last byte
+  Duration body = std::chrono::seconds{10};       // from the end of the header to the last byte
+  Duration handler = std::chrono::seconds{60};    // for the service's response
+  Duration progress = std::chrono::seconds{30};   // for a client to receive part of the response
+  Duration response = std::chrono::hours{24};     // for a client to receive a whole response
+  Duration linger = std::chrono::seconds{1};      // for a client to receive the last response
 };
 
 // Content of a server. All calls are on the io thread.
@@ -37,6 +38,8 @@ class HttpService {
                                              std::string_view hint) const = 0;
   // Connections with a login have limits of their own.
   [[nodiscard]] virtual bool has_login(const RawRequest&) { return false; }
+  // Returns true if the body of this request, whose header was received, may be long.
+  [[nodiscard]] virtual bool takes_long_body(const RawRequest&) { return false; }
   // Receives the stream of a WebSocket and its request header, to be parsed again.
   using TakeStream = std::function<void(std::unique_ptr<ByteStream>, std::string head)>;
   // A null function: handle() serves the request.
@@ -104,6 +107,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::unique_ptr<ByteStream> stream_;
   const std::string peer_;
   State state_ = State::kIdle;
+  std::size_t body_limit_ = 0;  // bytes, of the request whose header was received last
   Instant since_{}, response_ends_{};
   boost::asio::steady_timer timer_;
   std::unique_ptr<Parser> parser_;  // of the current request

@@ -148,6 +148,12 @@ Site::Known Site::known(const RawRequest& request) {
   return known;
 }
 
+bool Site::takes_long_body(const RawRequest& request) {
+  if (!request.target.starts_with("/api/configuration/")) return false;
+  const Known client = known(request);
+  return client.caller && may_use(Access::kEngineer, client.caller->role);
+}
+
 void Site::handle(RawRequest raw, Reply reply) {
   auto target = parse_target(raw.target);
   const Reply finish = [this, path = target ? target->path : std::string(),

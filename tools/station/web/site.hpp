@@ -64,6 +64,9 @@ class Site {
   [[nodiscard]] SessionStore& book() { return book_; }
   [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
+  // Only an engineer sends whole configurations.
+  [[nodiscard]] bool takes_long_body(const RawRequest& request);
+
   // `reply` is called once, immediately or later.
   void handle(RawRequest request, Reply reply);
   [[nodiscard]] HttpResponse refusal(unsigned status, std::string_view error,

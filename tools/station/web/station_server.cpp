@@ -50,6 +50,10 @@ HttpResponse StationServer::refusal(unsigned status, std::string_view error,
   return site_.refusal(status, error, hint);
 }
 
+bool StationServer::takes_long_body(const RawRequest& request) {
+  return site_.takes_long_body(request);
+}
+
 bool StationServer::has_login(const RawRequest& request) { return site_.has_login(request); }
 
 tl::expected<HttpService::TakeStream, HttpResponse> StationServer::upgrade(

@@ -43,6 +43,7 @@ class StationServer final : private HttpService {
   HttpResponse refusal(unsigned status, std::string_view error,
                        std::string_view hint) const override;
   bool has_login(const RawRequest& request) override;
+  bool takes_long_body(const RawRequest& request) override;
   tl::expected<TakeStream, HttpResponse> upgrade(const RawRequest& request) override;
   [[nodiscard]] std::optional<HttpResponse> refuse_live(const Site::Upgrade& who);
   void open_live(LiveRequest request);
