@@ -12,6 +12,7 @@
 
 namespace fieldcast::cli {
 
+using fieldcast::BusPlan;
 using fieldcast::make_plan;
 
 struct SimulationOptions {
