@@ -36,6 +36,32 @@ void Bridge::set_trace(bool on) {
   if (buses_) buses_->set_trace(on);
 }
 
+void Bridge::respond(const ConfigurationMessage& reply) {
+  const std::lock_guard lock(changing_);
+  if (link_) link_->respond(reply);
+}
+
+std::optional<std::map<std::string, Quality>> Bridge::qualities() const {
+  const std::lock_guard lock(changing_);
+  if (!link_) return std::nullopt;
+  std::map<std::string, Quality> all;
+  for (const BusSpec& bus : spec_.buses) {
+    const std::vector<Quality> qualities = link_->qualities(bus);
+    // Another bridge of the group serves the bus.
+    if (qualities.empty() && membership_) continue;
+    std::size_t next = 0;
+    for (const DeviceSpec& device : bus.devices) {
+      for (const ChannelSpec& channel : device.channels) {
+        const Quality quality = qualities.empty() ? Quality::kNotYetRead : qualities[next++];
+        const bool is_read_soon = read_by_itself(channel) && channel.refresh <= kSoon;
+        if (quality != Quality::kNotYetRead || is_read_soon)
+          all.emplace(bus.name + '/' + device.name + '/' + channel.name, quality);
+      }
+    }
+  }
+  return all;
+}
+
 std::vector<BusTurn> Bridge::turns() const {
   const std::lock_guard lock(changing_);
   return buses_ ? buses_->turns() : std::vector<BusTurn>{};

@@ -6,8 +6,10 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
@@ -41,7 +43,10 @@ namespace fieldcast {
 
 class Bridge {
  public:
-  Bridge();
+  // Receives requests about the configuration, on DDS threads; see DdsLink::Handlers.
+  using OnConfiguration =
+      std::function<void(ConfigurationMessage request, std::string subject, std::string fault)>;
+  explicit Bridge(OnConfiguration on_configuration = {});
   ~Bridge() { stop(); }
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
@@ -61,6 +66,15 @@ class Bridge {
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
 
   void set_trace(bool on);
+
+  // For the configuration, on any thread. They wait for the end of a reload; without effect if the
+  // bridge is not in its domain.
+  void respond(const ConfigurationMessage& reply);
+  void note(AuditEntry entry) { audit_.note(std::move(entry)); }
+  // The last quality of each channel that is read at least each `kSoon`; of others, if they were
+  // read. In a standby group only of served buses. Empty if the bridge is not in its domain.
+  static constexpr Duration kSoon = std::chrono::seconds{10};
+  [[nodiscard]] std::optional<std::map<std::string, Quality>> qualities() const;
 
   // Last turn of each bus's io thread (BusRunner::last_turn).
   [[nodiscard]] std::vector<BusTurn> turns() const;
@@ -106,7 +120,8 @@ class Bridge {
   mutable std::mutex changing_;                 // held while the set of buses changes
   std::atomic<bool> leaving_ = false;           // stop() has begun
   std::atomic<bool> readers_came_ = false;      // see Membership
-  std::mutex store_mutex_;                      // guards the pointer `store_` from save()
+  const OnConfiguration on_configuration_;
+  std::mutex store_mutex_;  // guards the pointer `store_` from save()
   BridgeSpec spec_;
   bool trace_ = false;
 

@@ -9,8 +9,9 @@
 
 namespace fieldcast {
 
-Bridge::Bridge()
-    : interests_([](const std::string& text) {
+Bridge::Bridge(OnConfiguration on_configuration)
+    : on_configuration_(std::move(on_configuration)),
+      interests_([](const std::string& text) {
         log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
       }),
       program_(program_hooks(), modules_),
@@ -86,6 +87,7 @@ DdsLink::Handlers Bridge::link_handlers() {
     HistoryService* const history = receives_history_;
     if (history != nullptr) history->receive(std::move(request), std::move(fault));
   };
+  handlers.on_configuration = on_configuration_;
   handlers.on_readers = [this] { readers_came_ = true; };
   handlers.bridges = {[this](const std::string& id) { guard_->found(id); },
                       [this](const std::string& id, BridgeClaims claims) {

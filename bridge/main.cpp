@@ -1,6 +1,7 @@
 // fieldcast-bridge CONFIG [--check]: polls PLCs, publishes their channels on DDS, runs commands.
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include "bridge/base/write_faults.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/capture/capture_folder.hpp"
+#include "bridge/configure/configuration_service.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/receivers/sample_load.hpp"
 #include "bridge/dds/transport/join_check.hpp"
@@ -127,8 +129,10 @@ class Reloader {
   static constexpr const char* kRefused = "not reloaded: the old configuration goes on running";
 
   // `running`: buses_text() of the configuration that the bridge started with.
-  Reloader(Bridge& bridge, IdentityWatch& identity, std::string path, std::string running)
+  Reloader(Bridge& bridge, ConfigurationService& configuration, IdentityWatch& identity,
+           std::string path, std::string running)
       : bridge_(bridge),
+        configuration_(configuration),
         identity_(identity),
         path_(std::move(path)),
         running_(std::move(running)) {}
@@ -141,11 +145,15 @@ class Reloader {
     if (!loaded) {
       for (const config::Fault& fault : loaded.error())
         log_error("configuration", config::to_text(fault));
+      configuration_.reloaded(config::to_text(loaded.error().front()));
       return refuse(kRefused);
     }
     const JoinCheck joining = check_joining(*loaded);
     log_joining(joining);
-    if (!joining.faults.empty()) return refuse(kRefused);
+    if (!joining.faults.empty()) {
+      configuration_.reloaded(joining.faults.front().text);
+      return refuse(kRefused);
+    }
     open_log(loaded->log.level);
     report_overloads(*loaded, log_warning);
     report_fences(*loaded, log_info, log_warning);
@@ -161,11 +169,14 @@ class Reloader {
   }
   void go_on() {
     const auto done = bridge_.reload(*wanted_);
+    if (!done) configuration_.reloaded(done.error());
     if (!done)
       return refuse("not reloaded, the old configuration goes on running: " + done.error());
     if (done->waits_for.empty()) {
       running_ = buses_text(*wanted_);
       identity_.joined(wanted_->dds, read_clocks().utc);
+      configuration_.refuse_for(refusal_of_requests(*wanted_, stays_on_this_machine(wanted_->dds)));
+      configuration_.reloaded("");
       return wanted_.reset();
     }
     const Instant now = steady_now();
@@ -191,6 +202,7 @@ class Reloader {
   }
 
   Bridge& bridge_;
+  ConfigurationService& configuration_;
   IdentityWatch& identity_;
   const std::string path_;
   std::string running_;
@@ -198,6 +210,13 @@ class Reloader {
   bool refused_ = false;              // the last reload was refused
   Instant begun_{}, say_at_{};
 };
+
+configure::ConfigurationAgent::Ports configuration_ports(Bridge& bridge) {
+  return {.reload = [] { ::kill(::getpid(), SIGHUP); },
+          .qualities = [&bridge] { return bridge.qualities(); },
+          .audit = [&bridge](AuditEntry entry) { bridge.note(std::move(entry)); },
+          .clock = [] { return read_clocks(); }};
+}
 
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path, bool trace) {
   report_overloads(spec, log_warning);
@@ -213,7 +232,14 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   if (spec.dds.without_security) log_warning("dds", kOpen);
   if (const auto small = rate_remark(spec)) log_warning("dds", *small);
   report_access(spec.program, log_info);
-  Bridge bridge;
+  ConfigurationService* receiver = nullptr;  // set before the bridge starts
+  Bridge bridge([&receiver](ConfigurationMessage request, std::string subject, std::string fault) {
+    receiver->receive(std::move(request), std::move(subject), std::move(fault));
+  });
+  ConfigurationService configuration(
+      path, configuration_ports(bridge),
+      [&bridge](const ConfigurationMessage& reply) { bridge.respond(reply); });
+  receiver = &configuration;
   const auto watched = signals.if_stuck([&bridge] { last_words(bridge); });
   bridge.set_trace(trace);
   if (const auto started = bridge.start(spec, [&signals] { return signals.ending(); }); !started) {
@@ -222,7 +248,8 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   }
   log_info(spec.name, "running: " + buses_text(spec));
   Service service(notify_address(), watchdog_limit());
-  Reloader reloader(bridge, identity, path, buses_text(spec));
+  configuration.refuse_for(refusal_of_requests(spec, stays_on_this_machine(spec.dds)));
+  Reloader reloader(bridge, configuration, identity, path, buses_text(spec));
   service.ready(reloader.status());
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
@@ -248,6 +275,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
       default:
         log_info(spec.name, fmt::format("stopping ({})", ::sigabbrev_np(signal)));
         service.stopping();
+        configuration.close();
         bridge.stop();
         log_info(spec.name, "stopped");
         return ExitCode::kOk;
@@ -296,15 +324,24 @@ ExitCode check_configuration(const std::string& path) {
   return check_machine(*loaded, places);
 }
 
+// The versions must not prevent a start.
+std::string recovered_configuration(const std::string& path) {
+  try {
+    return configure::recover_configuration(path);
+  } catch (const std::exception& error) { return error.what(); }
+}
+
 // Runs until SIGTERM or SIGINT. SIGHUP reloads the file; SIGUSR1 switches the wire trace.
 ExitCode run_daemon(const std::string& path, bool trace) {
   Signals signals;  // before any other thread: only later threads inherit its signal mask
+  const std::string recovered = recovered_configuration(path);
   const config::Loaded loaded = config::load_file(path);
   if (!loaded) {
     std::fputs(config::to_text(loaded.error()).c_str(), stderr);
     return ExitCode::kBadConfiguration;
   }
   open_log(loaded->log.level);
+  if (!recovered.empty()) log_warning("configuration", recovered);
   if (const std::string memory = unguarded_memory(); !memory.empty())
     log_warning("security", memory);
   log_library_messages();

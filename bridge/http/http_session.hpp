@@ -17,14 +17,14 @@ namespace fieldcast::web {
 struct HttpLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
-  std::size_t largest_body_bytes = 512 * 1024;   // of requests for which the service allows it
-  Duration idle = std::chrono::seconds{75};      // between two requests
-  Duration header = std::chrono::seconds{10};    // from its first to its last byte
-  Duration body = std::chrono::seconds{10};      // from the end of the header to the last byte
-  Duration handler = std::chrono::seconds{60};   // for the service's response
-  Duration progress = std::chrono::seconds{30};  // for a client to receive part of the response
-  Duration response = std::chrono::hours{24};    // for a client to receive a whole response
-  Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
+  std::size_t largest_body_bytes = 5 * 1024 * 1024;  // of requests for which the service allows it
+  Duration idle = std::chrono::seconds{75};          // between two requests
+  Duration header = std::chrono::seconds{10};        // from its first to its last byte
+  Duration body = std::chrono::seconds{10};          // from the end of the header to the last byte
+  Duration handler = std::chrono::seconds{60};       // for the service's response
+  Duration progress = std::chrono::seconds{30};      // for a client to receive part of the response
+  Duration response = std::chrono::hours{24};        // for a client to receive a whole response
+  Duration linger = std::chrono::seconds{1};         // for a client to receive the last response
 };
 
 // Content of a server. All calls are on the io thread.

@@ -22,11 +22,13 @@ constexpr RoleRow kRoles[] = {
     {kStation, "station", "reads, and declares interests"},
     {kPlant, "plant", "reads, declares interests, commands and acts on alarms"},
     {kStationReadonly, "station-readonly", "reads"},
+    {kEngineer, "engineer", "as a plant, and changes the configuration of bridges"},
 };
 
 constexpr Roles kBridges{kBridge};
-constexpr Roles kAllStations{kStation, kPlant, kStationReadonly};
-constexpr Roles kEverybody{kBridge, kStation, kPlant, kStationReadonly};
+constexpr Roles kCommanders{kPlant, kEngineer};
+constexpr Roles kAllStations{kStation, kPlant, kStationReadonly, kEngineer};
+constexpr Roles kEverybody{kBridge, kStation, kPlant, kStationReadonly, kEngineer};
 
 constexpr TopicRight kRights[] = {
     // A bridge reads data of other bridges to be able to stand by for them.
@@ -44,16 +46,18 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/Alarm", kBridges, kAllStations},
     {"fieldcast/AlarmStatus", kBridges, kEverybody},
     {"fieldcast/Bridge", kBridges, kEverybody},
-    {"fieldcast/Interest", {kStation, kPlant}, kBridges},
-    {"fieldcast/Command", {kPlant}, kBridges, true},
-    {"fieldcast/AlarmAction", {kPlant}, kBridges, true},
-    {"fieldcast/CommandResult", kBridges, {kBridge, kPlant}},
+    {"fieldcast/Interest", {kStation, kPlant, kEngineer}, kBridges},
+    {"fieldcast/Command", kCommanders, kBridges, true},
+    {"fieldcast/AlarmAction", kCommanders, kBridges, true},
+    {"fieldcast/CommandResult", kBridges, {kBridge, kPlant, kEngineer}},
     {"fieldcast/Standby", kBridges, kEverybody},
     {"fieldcast/StandbyNote", kBridges, kBridges},
-    {"fieldcast/StandbyRequest", {kPlant}, kBridges},
+    {"fieldcast/StandbyRequest", kCommanders, kBridges},
     {"fieldcast/Audit", kBridges, kAllStations},
     {"fieldcast/HistoryRequest", kAllStations, kBridges},
     {"fieldcast/HistoryBlock", kBridges, kAllStations},
+    {"fieldcast/ConfigurationRequest", {kEngineer}, kBridges},
+    {"fieldcast/ConfigurationReply", kBridges, {kEngineer}},
 };
 
 bool is_name(std::string_view text, std::string_view more) {

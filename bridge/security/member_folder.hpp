@@ -12,7 +12,7 @@
 
 namespace fieldcast::security {
 
-enum class MemberRole : std::uint8_t { kBridge, kStation, kPlant, kStationReadonly };
+enum class MemberRole : std::uint8_t { kBridge, kStation, kPlant, kStationReadonly, kEngineer };
 
 struct RoleRow {
   MemberRole role;

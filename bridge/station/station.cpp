@@ -14,6 +14,7 @@
 #include "bridge/station/bus_table.hpp"
 #include "bridge/station/clock_offsets.hpp"
 #include "bridge/station/command_client.hpp"
+#include "bridge/station/configuration_client.hpp"
 #include "bridge/station/history_client.hpp"
 #include "bridge/station/subscription.hpp"
 #include "core/model/channel_pattern.hpp"
@@ -92,6 +93,12 @@ struct Station::Site {
     if (!history) history = std::make_unique<HistoryClient>(domain, station.requester);
     return *history;
   }
+  ConfigurationClient& configuration() {
+    const std::lock_guard lock(mutex);
+    if (!configurations)
+      configurations = std::make_unique<ConfigurationClient>(domain, station.requester);
+    return *configurations;
+  }
   template <class Generated, class Type = TopicType<Generated>>
   void subscribe(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
                  typename Subscription<Generated, Type>::Handlers handlers) {
@@ -128,6 +135,7 @@ struct Station::Site {
   std::unique_ptr<BlockSubscription> blocks;
   std::unique_ptr<CommandClient> commands;
   std::unique_ptr<HistoryClient> history;
+  std::unique_ptr<ConfigurationClient> configurations;
 };
 
 struct Station::State {
@@ -448,6 +456,22 @@ tl::expected<HistoryResponse, StationFault> Station::history(HistoryRequest requ
 
 void Station::end_history() {
   for (const auto& site : state_->sites) site->stored().end();
+}
+
+tl::expected<std::string, StationFault> Station::configuration(const std::string& bridge,
+                                                               std::string request, Duration wait) {
+  if (request.size() > ConfigurationMessage::kMostBytes || bridge.size() > kMaxNameLength)
+    return tl::unexpected(StationFault::kNotSent);
+  for (const auto& site : state_->sites) {
+    if (!bridge.starts_with(site->prefix)) continue;
+    return site->configuration().request(bridge.substr(site->prefix.size()), std::move(request),
+                                         wait);
+  }
+  return tl::unexpected(StationFault::kNoSite);
+}
+
+void Station::cancel_configuration() {
+  for (const auto& site : state_->sites) site->configuration().cancel();
 }
 
 std::vector<std::string> Station::missing_servers() const {

@@ -172,6 +172,15 @@ class Station {
   // Ends the reception of stored samples until the next request. The thread of history().
   void end_history();
 
+  // Sends a request about the configuration of a bridge, JSON text, and blocks for its reply, at
+  // most `wait`. Fails with kNoBridge, kNoResult, kNoRight, kNoSite and kNotSent. One thread at a
+  // time.
+  [[nodiscard]] tl::expected<std::string, StationFault> configuration(const std::string& bridge,
+                                                                      std::string request,
+                                                                      Duration wait);
+  // Ends a pending configuration() and refuses later ones. Any thread.
+  void cancel_configuration();
+
   // The configured discovery servers of all sites that do not respond, each once. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 

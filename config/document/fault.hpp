@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,6 +36,12 @@ class Places {
   // "plant.yaml:7:5": position of a path of keys and list items, "buses.0.capture.folder"; of the
   // map if the key is absent. Empty if no file was loaded.
   [[nodiscard]] std::string at(std::string_view path) const;
+
+  // First and last line, from 1, of what such a path names, with its key. Empty if it is absent.
+  struct Lines {
+    unsigned first = 0, last = 0;
+  };
+  [[nodiscard]] std::optional<Lines> lines(std::string_view path) const;
 
  private:
   std::shared_ptr<const Document> document_;

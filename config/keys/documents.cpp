@@ -200,13 +200,13 @@ std::vector<Column> all_columns() {
 }  // namespace
 
 std::span<const RowTable* const> key_tables() {
-  static const std::array<const RowTable*, 23> tables{
-      &bridge_rows(),      &identity_rows(),      &standby_rows(),         &dds_rows(),
-      &log_rows(),         &store_rows(),         &metrics_rows(),         &program_rows(),
-      &engineer_rows(),    &engineer_port_rows(), &module_rows(),          &bus_rows(),
-      &port_rows(),        &capture_rows(),       &gateway_rows(),         &gateway_row_rows(),
-      &bus_default_rows(), &device_rows(),        &channel_rows(),         &limit_rows(),
-      &write_rows(),       &template_rows(),      &template_default_rows()};
+  static const std::array<const RowTable*, 24> tables{
+      &bridge_rows(),      &identity_rows(),      &standby_rows(),          &dds_rows(),
+      &log_rows(),         &store_rows(),         &metrics_rows(),          &program_rows(),
+      &engineer_rows(),    &engineer_port_rows(), &module_rows(),           &bus_rows(),
+      &port_rows(),        &capture_rows(),       &gateway_rows(),          &gateway_row_rows(),
+      &bus_default_rows(), &device_rows(),        &channel_rows(),          &limit_rows(),
+      &write_rows(),       &template_rows(),      &template_default_rows(), &configure_rows()};
   return tables;
 }
 
@@ -217,12 +217,13 @@ std::span<const Column> columns() {
 
 std::string where_it_belongs(std::string_view key, const KeyTable& here) {
   // The search order: the most likely place of a misplaced key is first.
-  const std::array<const RowTable*, 20> order{
+  const std::array<const RowTable*, 21> order{
       &bus_default_rows(), &port_rows(),     &channel_rows(),     &device_rows(),
       &bus_rows(),         &limit_rows(),    &write_rows(),       &dds_rows(),
       &store_rows(),       &bridge_rows(),   &engineer_rows(),    &module_rows(),
       &metrics_rows(),     &template_rows(), &identity_rows(),    &standby_rows(),
-      &capture_rows(),     &gateway_rows(),  &gateway_row_rows(), &engineer_port_rows()};
+      &capture_rows(),     &gateway_rows(),  &gateway_row_rows(), &engineer_port_rows(),
+      &configure_rows()};
   for (const RowTable* table : order) {
     if (table != &here && std::ranges::find(table->keys, key) != table->keys.end())
       return fmt::format(" (it belongs in {})", table->what);

@@ -36,6 +36,13 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
       "a port of its own for each");
 }
 
+void read_configure(MapReader& bridge, ConfigureSpec& spec) {
+  const Node* node = bridge.find("configure");
+  if (node == nullptr) return;
+  MapReader map(*node, configure_rows(), bridge.faults());
+  configure_rows().read(map, spec);
+}
+
 void read_identity(MapReader& bridge, BridgeSpec& spec) {
   const Node* node = bridge.require("bridge", "a name for the bridge");
   if (node == nullptr) return;
@@ -101,6 +108,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_program(map, spec.program, state.library);
   read_store(map, spec.store);
   read_metrics(map, spec);
+  read_configure(map, spec.configure);
   read_buses(map, spec, state);
   check_device_numbers(root, spec, state.faults);
   if (const Node* buses = map.find("buses")) check_gateway_ports(*buses, spec, state.faults);

@@ -69,6 +69,10 @@ const Rows<BridgeSpec>& bridge_rows() {
             .fallback = "served nowhere",
             .text = "figures of buses and devices for Prometheus, see below",
             .schema = map_named("metrics")}},
+          {{.name = "configure",
+            .fallback = "refused",
+            .text = "engineers change this file through the bridge, see below",
+            .schema = map_named("configure")}},
           {{.name = "buses",
             .fallback = "needed",
             .text = fmt::format("1 to {} buses", kMaxBuses),
@@ -235,6 +239,18 @@ const Rows<MetricsSpec>& metrics_rows() {
               .example = "listen: 127.0.0.1:9464"},
              &MetricsSpec::listen, ListenRule{9464})},
       "Serves `http://ADDRESS:PORT/metrics` as OpenMetrics text.");
+  return rows;
+}
+
+const Rows<ConfigureSpec>& configure_rows() {
+  static const Rows<ConfigureSpec> rows(
+      "configure", "'configure'",
+      {field({"allow", "false",
+              "`true`: engineers read this file and change it, except the lines that protect the "
+              "bridge. The bridge then needs DDS Security, or DDS on this machine only"},
+             &ConfigureSpec::allow, FlagRule{})},
+      "Lets engineers change this file in the browser: "
+      "[docs/station.md](../docs/station.md#change-the-configuration).");
   return rows;
 }
 

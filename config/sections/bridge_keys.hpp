@@ -13,6 +13,7 @@ namespace fieldcast::config {
 [[nodiscard]] const Rows<LogSpec>& log_rows();
 [[nodiscard]] const Rows<StoreSpec>& store_rows();
 [[nodiscard]] const Rows<MetricsSpec>& metrics_rows();
+[[nodiscard]] const Rows<ConfigureSpec>& configure_rows();
 [[nodiscard]] const Rows<ProgramSpec>& program_rows();
 [[nodiscard]] const Rows<EngineersSpec>& engineer_rows();
 [[nodiscard]] const Rows<EngineerPortSpec>& engineer_port_rows();

@@ -29,6 +29,12 @@ struct MetricsSpec {
   friend bool operator==(const MetricsSpec&, const MetricsSpec&) = default;
 };
 
+// Whether engineers may change the configuration file through the bridge.
+struct ConfigureSpec {
+  bool allow = false;
+  friend bool operator==(const ConfigureSpec&, const ConfigureSpec&) = default;
+};
+
 // Bridges with the same channels that stand by for each other.
 struct StandbySpec {
   std::string group;
@@ -44,6 +50,7 @@ struct BridgeSpec {
   ProgramSpec program;
   std::optional<StoreSpec> store;      // empty: samples are not stored
   std::optional<MetricsSpec> metrics;  // empty: metrics are not served
+  ConfigureSpec configure;
   std::vector<BusSpec> buses;
   friend bool operator==(const BridgeSpec&, const BridgeSpec&) = default;
 };

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "bridge/dds/topics/block.hpp"
+#include "bridge/dds/topics/configuration_message.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/history.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
@@ -89,6 +90,10 @@ void read_history_request(ByteView bytes) {
   if (const auto* request = message_of<idl::HistoryRequestPubSubType>(bytes))
     (void)from_idl(*request);
 }
+void read_configuration_request(ByteView bytes) {
+  if (const auto* part = message_of<idl::ConfigurationRequestPubSubType>(bytes))
+    (void)ConfigurationParts().add(*part);
+}
 void read_history_block(ByteView bytes) {
   if (const auto* block = message_of<idl::HistoryBlockPubSubType>(bytes))
     (void)HistoryParts({.rows = HistoryRequest::kMostRows, .channels = {{}, {}}}).add(*block);
@@ -116,12 +121,13 @@ void read(Tables& tables, unsigned topic, ByteView bytes) {
     case 17: return convert<idl::ChannelPubSubType>(bytes);
     case 18: return read_history_request(bytes);
     case 19: return read_history_block(bytes);
+    case 20: return read_configuration_request(bytes);
     default: (void)message_of<idl::SnapshotRequestPubSubType>(bytes);
   }
 }
 
 void run_one(ByteView data) {
-  constexpr unsigned kTopics = 21;
+  constexpr unsigned kTopics = 22;
   Tables tables;
   while (data.size() > 3) {
     const std::size_t size = std::min<std::size_t>(data[1] | data[2] << 8, data.size() - 3);

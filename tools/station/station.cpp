@@ -198,6 +198,7 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   add_routes(site->routes(),
              {.model = &domain->model(),
               .commands = &domain->commands(),
+              .configurations = &domain->configurations(),
               .database = database.get(),
               .store = store.get(),
               .recorder = recorder.get(),

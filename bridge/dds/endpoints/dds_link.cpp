@@ -10,18 +10,17 @@ namespace fieldcast {
 
 namespace {
 
-// Returns true if every peer is on this machine. Ignores transports of the user's profile.
+// Number of single samples that fill a reader's socket like one block.
+constexpr std::size_t kSamplesOfBlock = 32;
+
+}  // namespace
+
 bool stays_on_this_machine(const DdsSpec& spec) {
   const std::vector<std::string> used = used_interfaces(spec);
   return !spec.profile && !used.empty() &&
          std::all_of(used.begin(), used.end(),
                      [](const std::string& address) { return address.starts_with("127."); });
 }
-
-// Number of single samples that fill a reader's socket like one block.
-constexpr std::size_t kSamplesOfBlock = 32;
-
-}  // namespace
 
 LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
                      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
@@ -51,6 +50,7 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
     presence = std::make_unique<BridgeAnnouncement>(domain, writers, label, handlers.bridges,
                                                     handlers.on_problem);
   listen_for_history();
+  listen_for_configuration();
   snapshots = std::make_unique<SnapshotSender>(
       domain,
       [this](const std::string& bus, SnapshotSender::Part part) {
@@ -180,15 +180,38 @@ void DdsLink::State::listen_for(const std::string& bus) {
   if (domain.member() && !held.contains(bus)) held[bus] = listen(bus);
 }
 
+namespace {
+
+// Reports that an endpoint is missing because the identity is older than its topic.
+void report_missing_right(const DdsError& error,
+                          const std::function<void(std::string text)>& on_problem) {
+  on_problem(std::string(error.what()) +
+             ": goes on without it; 'fieldcast secure renew' gives an identity of an "
+             "earlier version this right");
+}
+
+}  // namespace
+
 void DdsLink::State::listen_for_history() {
   if (!handlers.on_history) return;
   try {
     history = std::make_unique<HistoryEndpoint>(domain, label, block_bytes, handlers.on_history);
-  } catch (const DdsError& error) {
-    handlers.on_problem(std::string(error.what()) +
-                        ": goes on without it; 'fieldcast secure renew' gives an identity of an "
-                        "earlier version this right");
-  }
+  } catch (const DdsError& error) { report_missing_right(error, handlers.on_problem); }
+}
+
+void DdsLink::State::listen_for_configuration() {
+  if (!handlers.on_configuration) return;
+  const auto received = [this](ConfigurationMessage request, const RequestOrigin& origin) {
+    auto terms = writers.terms_of(domain, request.requester, origin, handlers.clock());
+    if (!terms)
+      return handlers.on_problem("a request under the name of another's requester was dropped");
+    std::string fault = terms->too_early.empty() ? std::move(terms->late) : terms->too_early;
+    handlers.on_configuration(std::move(request), std::move(terms->subject), std::move(fault));
+  };
+  try {
+    configuration = std::make_unique<ConfigurationEndpoint>(domain, bridge, label,
+                                                            handlers.clock().instant, received);
+  } catch (const DdsError& error) { report_missing_right(error, handlers.on_problem); }
 }
 
 void DdsLink::add_bus(const BusSpec& spec) {
@@ -223,6 +246,26 @@ std::vector<StandbyBusFigures> DdsLink::stream_figures() const {
 
 void DdsLink::respond(const HistoryRequest& request, const HistoryResponse& response) {
   if (state_->history) state_->history->respond(request, response);
+}
+
+void DdsLink::respond(const ConfigurationMessage& reply) {
+  if (state_->configuration) state_->configuration->respond(reply);
+}
+
+std::vector<Quality> DdsLink::qualities(const BusSpec& bus) const {
+  const std::shared_lock lock(state_->mutex);
+  const LinkedBus* const found = state_->find(bus.name);
+  std::vector<Quality> all;
+  if (found == nullptr) return all;
+  LastValue last;
+  for (const DeviceSpec& device : bus.devices) {
+    for (std::size_t i = 0; i < device.channels.size(); ++i) {
+      const bool is_read = found->blocks.last_value(static_cast<ChannelIndex>(all.size()), last);
+      all.push_back(is_read ? from_idl(last.quality).value_or(Quality::kNotYetRead)
+                            : Quality::kNotYetRead);
+    }
+  }
+  return all;
 }
 
 std::uint64_t DdsLink::epoch_of(std::string_view bus) const {
@@ -275,6 +318,7 @@ void DdsLink::close(Duration linger, Leave leave) {
   state_->receivers.close();
   for (const auto& [bus, receivers] : state_->held) receivers.close();
   if (state_->history) state_->history->close();
+  if (state_->configuration) state_->configuration->close();
   state_->interests->close();
   state_->snapshots->close();
   state_->results.close(linger);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "bridge/dds/library/library.hpp"
+#include "bridge/dds/topics/configuration_message.hpp"
 #include "bridge/dds/topics/history_values.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/standby/bus_claims.hpp"
@@ -35,6 +36,9 @@
 namespace fieldcast {
 
 class Domain;
+
+// Returns true if every peer is on this machine. Ignores transports of the user's profile.
+[[nodiscard]] bool stays_on_this_machine(const DdsSpec& spec);
 
 class DdsLink {
  public:
@@ -60,6 +64,10 @@ class DdsLink {
     // A request for stored samples of any bus; respond() responds. `fault`: why it breaks the
     // rules, or empty. Null: not received.
     std::function<void(HistoryRequest request, std::string fault)> on_history{};
+    // A request about the configuration of this bridge; respond() responds. `subject`: of the
+    // requester, by DDS Security. `fault`: why it must be refused, or empty. Null: not received.
+    std::function<void(ConfigurationMessage request, std::string subject, std::string fault)>
+        on_configuration{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};
   };
@@ -134,6 +142,11 @@ class DdsLink {
 
   // Responds to a request for stored samples. One thread at a time; waits between blocks.
   void respond(const HistoryRequest& request, const HistoryResponse& response);
+  // The same for a request about the configuration.
+  void respond(const ConfigurationMessage& reply);
+  // Returns the quality of the last sample of each channel of a bus, by channel index; empty if
+  // this bridge does not serve the bus. Any thread.
+  [[nodiscard]] std::vector<Quality> qualities(const BusSpec& bus) const;
   // Epoch of the catalogue of a bus that this bridge serves; 0 if it does not. Any thread.
   [[nodiscard]] std::uint64_t epoch_of(std::string_view bus) const;
 

@@ -15,6 +15,7 @@
 
 #include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
+#include "bridge/dds/endpoints/configuration_endpoint.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/history_endpoint.hpp"
 #include "bridge/dds/endpoints/result_sender.hpp"
@@ -115,6 +116,7 @@ struct DdsLink::State {
   void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
   void listen_for(const std::string& bus);
   void listen_for_history();
+  void listen_for_configuration();
 
   const std::string bridge;
   const Handlers handlers;
@@ -131,7 +133,8 @@ struct DdsLink::State {
   std::map<std::string, Receivers, std::less<>> held;
   std::unique_ptr<BridgeAnnouncement> presence;
   std::unique_ptr<HistoryEndpoint> history;  // null if it is not wanted, or without the right
-  std::shared_mutex mutex;                   // shared to use a bus, exclusive to add or remove one
+  std::unique_ptr<ConfigurationEndpoint> configuration;  // as `history`
+  std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;

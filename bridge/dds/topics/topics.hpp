@@ -43,7 +43,9 @@ inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL s
 
 inline constexpr std::int32_t kHistoryRequestsKept = 16;  // not yet taken by a bridge
 inline constexpr std::int32_t kHistoryBlocksKept = 256;   // a response has at most 128
-inline constexpr std::int32_t kMaxStandbyMembers = 256;   // in the domain
+// Parts of a request or a reply, of which none has more than half of them.
+inline constexpr std::int32_t kConfigurationPartsKept = 1024;
+inline constexpr std::int32_t kMaxStandbyMembers = 256;  // in the domain
 inline constexpr std::int32_t kStandbyNotesKept = 4096;
 
 // Lease of writers that show that their process is alive.
@@ -175,6 +177,16 @@ inline constexpr auto kHistoryBlockTopic = optional(Topic<idl::HistoryBlockPubSu
     {"fieldcast/HistoryBlock", kPasses, last_of(1, kHistoryBlocksKept),
      last_of(1, kHistoryBlocksKept), Lease::kNone, Unregister::kDisposes,
      std::chrono::milliseconds{100}, Keys::kNone}});
+template <class Generated>
+constexpr auto configuration_topic(const char* name) {
+  return optional(Topic<Generated>{
+      {name, kPasses, last_of(1, kConfigurationPartsKept), last_of(1, kConfigurationPartsKept),
+       Lease::kNone, Unregister::kDisposes, std::chrono::milliseconds{100}, Keys::kNone}});
+}
+inline constexpr auto kConfigurationRequestTopic =
+    configuration_topic<idl::ConfigurationRequestPubSubType>("fieldcast/ConfigurationRequest");
+inline constexpr auto kConfigurationReplyTopic =
+    configuration_topic<idl::ConfigurationReplyPubSubType>("fieldcast/ConfigurationReply");
 inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
     {"fieldcast/CatalogueBlock", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
 // With the LIFESPAN of its writer. Two samples of an instance: the command, and its unregister
@@ -210,13 +222,31 @@ inline constexpr Topic<idl::StandbyNotePubSubType> kStandbyNoteTopic{
 inline constexpr Topic<idl::StandbyRequestPubSubType> kStandbyRequestTopic{
     {"fieldcast/StandbyRequest", kPasses, last_of(1), last_of(kMaxStandbyMembers)}};
 
-inline constexpr std::tuple kTopicTable{
-    &kSampleBlockTopic,    &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
-    &kChannelTopic,        &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
-    &kProgramRequestTopic, &kReadPlanTopic,        &kAlarmTopic,          &kAlarmStatusTopic,
-    &kAlarmActionTopic,    &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
-    &kBridgeTopic,         &kStandbyTopic,         &kStandbyNoteTopic,    &kStandbyRequestTopic,
-    &kHistoryRequestTopic, &kHistoryBlockTopic,    &kAuditTopic};
+inline constexpr std::tuple kTopicTable{&kSampleBlockTopic,
+                                        &kSnapshotRequestTopic,
+                                        &kCatalogueBlockTopic,
+                                        &kSampleTopic,
+                                        &kChannelTopic,
+                                        &kBusStatusTopic,
+                                        &kDeviceStatusTopic,
+                                        &kProgramSessionTopic,
+                                        &kProgramRequestTopic,
+                                        &kReadPlanTopic,
+                                        &kAlarmTopic,
+                                        &kAlarmStatusTopic,
+                                        &kAlarmActionTopic,
+                                        &kCommandTopic,
+                                        &kCommandResultTopic,
+                                        &kInterestTopic,
+                                        &kBridgeTopic,
+                                        &kStandbyTopic,
+                                        &kStandbyNoteTopic,
+                                        &kStandbyRequestTopic,
+                                        &kHistoryRequestTopic,
+                                        &kHistoryBlockTopic,
+                                        &kAuditTopic,
+                                        &kConfigurationRequestTopic,
+                                        &kConfigurationReplyTopic};
 
 inline constexpr auto kTopics = std::apply(
     [](const auto*... row) { return std::array<const TopicRow*, sizeof...(row)>{row...}; },

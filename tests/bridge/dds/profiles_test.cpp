@@ -69,7 +69,8 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
       {kAlarmActionTopic.name, alarm_action_writer_qos(5s)},
       {kInterestTopic.name, writer_qos(kInterestTopic)},
       {kSnapshotRequestTopic.name, writer_qos(kSnapshotRequestTopic)},
-      {kHistoryRequestTopic.name, writer_qos(kHistoryRequestTopic)}};
+      {kHistoryRequestTopic.name, writer_qos(kHistoryRequestTopic)},
+      {kConfigurationRequestTopic.name, writer_qos(kConfigurationRequestTopic)}};
   for (const TopicRow* topic : kTopics) {
     SCOPED_TRACE(topic->name);
     if (topic == &kBridgeTopic || topic == &kStandbyTopic || topic == &kStandbyNoteTopic ||

@@ -23,23 +23,32 @@ TEST(TopicRights, EveryTopicHasARowAndEveryRowATopic) {
 
 TEST(TopicRights, BridgesAndStationsNeverWriteTheSameTopicButTheirOwn) {
   for (const TopicRight& right : topic_rights()) {
-    for (const MemberRole role : {kStation, kPlant, kStationReadonly}) {
+    for (const MemberRole role : {kStation, kPlant, kStationReadonly, kEngineer}) {
       EXPECT_FALSE(right.writers.has(kBridge) && right.writers.has(role)) << right.topic;
       EXPECT_FALSE(right.writers.has(role) && right.readers.has(role)) << right.topic;
     }
   }
 }
 
-TEST(TopicRights, OnlyAPlantCommands) {
+TEST(TopicRights, OnlyAPlantAndAnEngineerCommand) {
   for (const std::string_view topic : {"fieldcast/Command", "fieldcast/AlarmAction"}) {
     const TopicRight* right = right_of(topic);
     ASSERT_NE(right, nullptr);
     EXPECT_TRUE(right->by_bus);
-    for (const RoleRow& row : roles()) EXPECT_EQ(right->writers.has(row.role), row.role == kPlant);
+    for (const RoleRow& row : roles())
+      EXPECT_EQ(right->writers.has(row.role), row.role == kPlant || row.role == kEngineer);
   }
   const TopicRight* interests = right_of("fieldcast/Interest");
   EXPECT_TRUE(interests->writers.has(kStation));
   EXPECT_FALSE(interests->writers.has(kStationReadonly));
+}
+
+TEST(TopicRights, OnlyAnEngineerSeesAndChangesConfigurations) {
+  for (const RoleRow& row : roles()) {
+    const bool is_engineer = row.role == kEngineer;
+    EXPECT_EQ(right_of("fieldcast/ConfigurationRequest")->writers.has(row.role), is_engineer);
+    EXPECT_EQ(right_of("fieldcast/ConfigurationReply")->readers.has(row.role), is_engineer);
+  }
 }
 
 TEST(TopicRights, WordsOfRolesAreReadBack) {

@@ -1,34 +1,11 @@
 #include "tools/cli/model/bus_plan.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/model/bus_spec.hpp"
-#include "core/schedule/bus_schedule.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
 
 namespace fieldcast::cli {
-
-BusPlan make_plan(const BusSpec& bus, Duration response_time) {
-  BusPlan plan;
-  plan.bus = &bus;
-  plan.response_time = response_time;
-  PointMap map = map_points(bus);
-  std::vector<const Protocol*> protocols;
-  for (const DeviceSpec& device : bus.devices) {
-    plan.protocols.push_back(make_protocol(device, line_of(bus.port)).value());
-    protocols.push_back(plan.protocols.back().get());
-    for (const ChannelSpec& channel : device.channels) {
-      plan.point_of.push_back(read_by_itself(channel) ? map.point_of[plan.point_of.size()]
-                                                      : std::nullopt);
-    }
-  }
-  // The schedule starts with the engine's assumption; the devices then respond after response_time.
-  plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedResponseTime);
-  for (DeviceTiming& device : plan.input.devices) device.response_time = response_time;
-  plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedResponseTime});
-  return plan;
-}
 
 namespace {
 

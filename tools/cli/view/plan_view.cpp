@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "tools/cli/view/simulation_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
-
-constexpr std::size_t kNamesInAdvice = 4;
 
 std::string milliseconds(Duration time) {
   const double number = to_seconds(time) * 1e3;
@@ -65,23 +62,6 @@ std::string range_text(const DeviceSpec& device, const Range& range) {
   }
   if (!first) return {};
   return first->at == last->at ? first->at : first->at + " .. " + last->at;
-}
-
-std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
-  const std::set<PointIndex> wanted(points.begin(), points.end());
-  std::string text;
-  std::size_t count = 0, index = 0;
-  for (const auto& device : plan.bus->devices) {
-    for (const auto& channel : device.channels) {
-      const auto point = plan.point_of[index++];
-      if (!point || !wanted.contains(*point)) continue;
-      if (count < kNamesInAdvice)
-        text += (count == 0 ? "" : ", ") + device.name + '/' + channel.name;
-      ++count;
-    }
-  }
-  if (count == 1) return text;
-  return fmt::format("{} channels ({}{})", count, text, count > kNamesInAdvice ? ", .." : "");
 }
 
 // "wire load 98.5 %", and beyond that "3.20 times the wire is needed".
@@ -159,33 +139,6 @@ TextTable block_table(const BusPlan& plan) {
 }
 
 }  // namespace
-
-std::vector<std::string> advice(const BusPlan& plan) {
-  std::vector<std::string> ways;
-  if (plan.prediction.feasible) return ways;
-  const auto& remedies = plan.prediction.remedies;
-  std::string slower;
-  for (const auto& group : remedies.slower) {
-    slower += fmt::format("{}{} every {} instead of {}", slower.empty() ? "" : ", and ",
-                          names_of(plan, group.points), to_text(group.to), to_text(group.from));
-  }
-  if (!slower.empty()) ways.push_back("refresh " + slower);
-  if (remedies.stretch)
-    ways.push_back(fmt::format("make every refresh {:.2f} times as long", *remedies.stretch));
-  if (remedies.baud && has_line(plan.bus->port))
-    ways.push_back(fmt::format("run the line at {} baud", *remedies.baud));
-  if (remedies.longer_reads)
-    ways.emplace_back("take away max-block and max-gap, if the devices accept longer reads");
-  if (remedies.no_pause)
-    ways.emplace_back("take away the pause after each exchange, if the devices need none");
-  if (remedies.buses)
-    ways.push_back(fmt::format("spread the devices over {} lines like this one", *remedies.buses));
-  if (ways.empty())
-    ways.emplace_back(
-        "read fewer channels of each device: no longer refresh, faster line or split of the bus "
-        "within reach is enough");
-  return ways;
-}
 
 std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
   std::vector<std::string> lines{painted(printable(verdict(plan)),

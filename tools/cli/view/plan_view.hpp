@@ -10,8 +10,7 @@
 
 namespace fieldcast::cli {
 
-// Ways to make an infeasible plan feasible, one sentence each; empty if it is feasible.
-[[nodiscard]] std::vector<std::string> advice(const BusPlan& plan);
+using fieldcast::advice;
 
 // The verdict, the channels (tightest first), the blocks (most frequent first), and the advice.
 [[nodiscard]] std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen);

@@ -12,8 +12,9 @@
 #include "bridge/http/http_message.hpp"
 #include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/api/dashboards.hpp"
+#include "tools/station/api/body_limits.hpp"
 #include "tools/station/live/client_message.hpp"
+#include "tools/station/live/configuration_requests.hpp"
 #include "tools/station/model/live_model.hpp"
 #include "tools/station/notify/notifier.hpp"
 #include "tools/station/web/route_table.hpp"
@@ -32,6 +33,7 @@ struct KeptCatalogue {
 struct Api {
   const LiveModel* model = nullptr;
   CommandSink* commands = nullptr;
+  ConfigurationRequests* configurations = nullptr;
   Database* database = nullptr;
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
@@ -49,6 +51,9 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
     show_devices, show_history, show_metrics, show_notifications, show_openapi, show_plan,
     show_report, show_result, show_sessions, show_sites, show_users, export_history;
+ApiHandler show_configuration, check_configuration, deploy_configuration, confirm_configuration,
+    roll_back_configuration, show_configuration_versions, show_configuration_version,
+    show_configuration_schema, show_device_templates, import_configuration;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
@@ -77,6 +82,19 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/channels", Access::kViewer, show_channels},
     {Method::kPost, "/api/commands", Access::kOperator, write_value},
     {Method::kGet, "/api/commands/result", Access::kOperator, show_result},
+    {Method::kGet, "/api/configuration", Access::kEngineer, show_configuration},
+    {Method::kPost, "/api/configuration/check", Access::kEngineer, check_configuration, false,
+     kMaxConfigurationBody},
+    {Method::kPost, "/api/configuration/confirm", Access::kEngineer, confirm_configuration},
+    {Method::kPost, "/api/configuration/deploy", Access::kEngineer, deploy_configuration, false,
+     kMaxConfigurationBody},
+    {Method::kPost, "/api/configuration/import", Access::kEngineer, import_configuration, false,
+     kMaxConfigurationBody},
+    {Method::kPost, "/api/configuration/rollback", Access::kEngineer, roll_back_configuration},
+    {Method::kGet, "/api/configuration/schema", Access::kEngineer, show_configuration_schema},
+    {Method::kGet, "/api/configuration/templates", Access::kEngineer, show_device_templates},
+    {Method::kGet, "/api/configuration/version", Access::kEngineer, show_configuration_version},
+    {Method::kGet, "/api/configuration/versions", Access::kEngineer, show_configuration_versions},
     {Method::kGet, "/api/dashboard", Access::kViewer, show_dashboard, true},
     {Method::kGet, "/api/dashboards", Access::kViewer, list_dashboards, true},
     {Method::kPost, "/api/dashboards/check", Access::kEngineer, check_dashboard_text, false,

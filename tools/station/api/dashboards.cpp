@@ -1,5 +1,3 @@
-#include "tools/station/api/dashboards.hpp"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -10,6 +8,7 @@
 #include "core/base/message_text.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
+#include "tools/station/api/body_limits.hpp"
 #include "tools/station/dashboard/dashboard_document.hpp"
 #include "tools/station/dashboard/dashboard_table.hpp"
 #include "tools/station/dashboard/picture.hpp"

@@ -81,6 +81,12 @@ struct LiveDomain::State {
   CommandController desk;
   Station station;  // its callbacks use the members above
   std::optional<BackFiller> back_filler;
+  ConfigurationRequests configurations{io,
+                                       [this](const std::string& bridge, std::string request) {
+                                         return station.configuration(bridge, std::move(request),
+                                                                      ConfigurationRequests::kWait);
+                                       },
+                                       [this] { station.cancel_configuration(); }};
 };
 
 void LiveDomain::State::deliver() {
@@ -172,6 +178,8 @@ LiveDomain::~LiveDomain() {
 
 const LiveModel& LiveDomain::model() const { return state_->model; }
 CommandController& LiveDomain::commands() { return state_->desk; }
+ConfigurationRequests& LiveDomain::configurations() { return state_->configurations; }
+
 LiveHub& LiveDomain::hub() { return state_->hub; }
 DomainInbox& LiveDomain::inbox() { return state_->inbox; }
 

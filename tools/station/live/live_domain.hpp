@@ -11,6 +11,7 @@
 #include "bridge/station/station.hpp"
 #include "bridge/store/records/records.hpp"
 #include "tools/station/live/command_controller.hpp"
+#include "tools/station/live/configuration_requests.hpp"
 #include "tools/station/live/domain_inbox.hpp"
 #include "tools/station/live/live_hub.hpp"
 #include "tools/station/live/live_peer.hpp"
@@ -35,6 +36,7 @@ class LiveDomain {
 
   [[nodiscard]] const LiveModel& model() const;
   [[nodiscard]] CommandController& commands();
+  [[nodiscard]] ConfigurationRequests& configurations();
   [[nodiscard]] LiveHub& hub();
   // For further sources of channels and values.
   [[nodiscard]] DomainInbox& inbox();

@@ -1,8 +1,7 @@
-#include "tools/station/api/dashboards.hpp"
-
 #include "core/base/json.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/api_routes.hpp"
+#include "tools/station/api/body_limits.hpp"
 #include "tools/station/dashboard/picture.hpp"
 
 namespace fieldcast::web {

@@ -36,7 +36,7 @@ const rows = [
   { name: 'programming', module: programming, key: 'p', doc: 'programming.md' },
   { name: 'history', module: history, key: 'h', doc: 'store.md' },
   { name: 'audit', module: audit, key: 'u' },
-  { name: 'configuration', module: configuration, key: 'c', engineer: true, doc: 'commissioning.md' },
+  { name: 'configuration', module: configuration, key: 'c', engineer: true },
   { name: 'channel', module: channel, under: 'live', doc: 'qualities.md' },
   { name: 'dashboard', module: dashboard, under: 'dashboards', doc: 'dashboards.md' },
   { name: 'plan', module: plan, under: 'overview', doc: 'troubleshooting.md' },

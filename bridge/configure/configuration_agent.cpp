@@ -1,0 +1,335 @@
+#include "bridge/configure/configuration_agent.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "bridge/configure/hidden_secrets.hpp"
+#include "bridge/configure/protected_keys.hpp"
+#include "bridge/security/file_access.hpp"
+#include "bridge/security/pki.hpp"
+#include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
+
+namespace fieldcast::configure {
+
+namespace {
+
+using nlohmann::json;
+
+std::string text_of(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Outcome done(const json& body) { return {200, text_of(body)}; }
+
+Outcome refused(unsigned status, const std::string& error, const std::string& hint) {
+  return {status, text_of(json{{"error", error}, {"hint", hint}})};
+}
+
+// The text of this name; empty if it is missing or too long.
+std::optional<std::string> text_in(const json& request, const char* name, std::size_t most) {
+  const auto found = request.find(name);
+  if (found == request.end() || !found->is_string()) return std::nullopt;
+  const auto& text = found->get_ref<const std::string&>();
+  return text.size() <= most ? std::optional(text) : std::nullopt;
+}
+
+Outcome no_text(const char* name, std::size_t most) {
+  return refused(400, fmt::format("{} is missing or too long", name),
+                 fmt::format("\"{}\": a text of at most {} bytes", name, most));
+}
+
+Outcome unknown_version() {
+  return refused(404, "this version is not kept", "GET /api/configuration/versions lists them");
+}
+
+constexpr std::size_t kMostVersionBytes = 64;
+
+}  // namespace
+
+const ConfigurationAgent::Row ConfigurationAgent::kRows[] = {
+    {"read", &ConfigurationAgent::read},         {"check", &ConfigurationAgent::check},
+    {"deploy", &ConfigurationAgent::deploy},     {"confirm", &ConfigurationAgent::confirm},
+    {"rollback", &ConfigurationAgent::rollback}, {"versions", &ConfigurationAgent::versions},
+    {"version", &ConfigurationAgent::version},
+};
+
+ConfigurationAgent::ConfigurationAgent(const std::string& file, Ports ports)
+    : folder_(file), ports_(std::move(ports)) {
+  watch_ = folder_.stored_watch();
+  if (!watch_) return;
+  // recover_configuration() has counted this restart.
+  watch_->state = Watch::State::kWatching;
+  watch_->until = ports_.clock().instant + Watch::kLength;
+}
+
+Outcome ConfigurationAgent::run(std::string_view request, const std::string& subject) {
+  const json parsed = json::parse(request, nullptr, false);
+  if (!parsed.is_object()) return refused(400, "the request is not a JSON object", "");
+  const auto name = text_in(parsed, "operation", 32).value_or("");
+  const Row* const row = std::ranges::find(std::begin(kRows), std::end(kRows), name, &Row::name);
+  if (row == std::end(kRows))
+    return refused(400, fmt::format("the operation '{}' is unknown", printable(name)),
+                   "this bridge may be older than the station");
+  const std::string user = printable(text_in(parsed, "who", kMostWho).value_or("unknown user"));
+  const Caller caller{subject.empty() ? user : fmt::format("{} ({})", user, subject)};
+  try {
+    return (this->*row->operation)(parsed, caller);
+  } catch (const security::SecurityError& error) {
+    return refused(500, printable(error.what()),
+                   "the user of the bridge needs the right to write in the folder of the file");
+  }
+}
+
+Outcome ConfigurationAgent::read(const json&, const Caller&) {
+  const std::string text = folder_.present();
+  const Draft present = load_present(text, folder_.file());
+  json files = json::array(), lines = json::array();
+  std::size_t bytes = text.size();
+  for (const NamedFile& file : present.files) {
+    bytes += file.text.size();
+    if (bytes > kMostText) break;
+    files.push_back({{"name", file.name}, {"text", without_secrets(file.text)}});
+  }
+  if (present.loaded) {
+    for (const ProtectedLine& line : protected_lines(*present.loaded, present.places))
+      lines.push_back({{"line", line.line}, {"why", line.why}});
+  }
+  return done({{"path", folder_.file()},
+               {"version", version_of(text)},
+               {"text", without_secrets(text)},
+               {"files", std::move(files)},
+               {"protected", std::move(lines)},
+               {"watch", watch_json()}});
+}
+
+Outcome ConfigurationAgent::check(const json& request, const Caller&) {
+  const auto given = text_in(request, "text", kMostText);
+  if (!given) return no_text("text", kMostText);
+  const std::string before = folder_.present();
+  const Draft present = load_present(before, folder_.file());
+  json body{{"faults", json::array()}, {"draft", json::array()}, {"today", json::array()}};
+  if (present.loaded) body["today"] = plans_json(*present.loaded);
+  const auto text = with_secrets(*given, before);
+  if (!text) {
+    body["faults"].push_back({{"file", folder_.file()},
+                              {"line", 1},
+                              {"column", 1},
+                              {"message", text.error()},
+                              {"hint", ""}});
+    return done(body);
+  }
+  const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+  if (!draft.loaded) body["faults"] = faults_json(draft.loaded.error());
+  // A bus that cannot carry its channels is a fault, and its plan explains the remedy.
+  const Draft lenient =
+      draft.loaded ? Draft{} : load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
+  if (const Draft& valid = draft.loaded ? draft : lenient; valid.loaded) {
+    body["draft"] = plans_json(*valid.loaded);
+    for (const std::string& key : present.loaded
+                                      ? changed_protected_keys(*present.loaded, *valid.loaded)
+                                      : std::vector<std::string>{})
+      body["faults"].push_back({{"file", folder_.file()},
+                                {"line", 1},
+                                {"column", 1},
+                                {"message", "a protected key differs: " + key},
+                                {"hint", "restore its lines"}});
+  }
+  return done(body);
+}
+
+Outcome ConfigurationAgent::deploy(const json& request, const Caller& caller) {
+  const auto given = text_in(request, "text", kMostText);
+  if (!given) return no_text("text", kMostText);
+  const auto base = text_in(request, "base", kMostVersionBytes);
+  if (!base) return no_text("base", kMostVersionBytes);
+  const auto why = text_in(request, "why", kMostWhy);
+  if (!why || why->empty()) return no_text("why", kMostWhy);
+  const std::string before = folder_.present();
+  if (*base != version_of(before)) {
+    const std::string who = folder_.rows().empty() ? "" : folder_.rows().back().who;
+    return {409, text_of(json{{"error", "the configuration was changed meanwhile" +
+                                            (who.empty() ? "" : ", last by " + who)},
+                              {"hint", "compare your text with the present one, and deploy again"},
+                              {"version", version_of(before)},
+                              {"text", without_secrets(before)}})};
+  }
+  const Draft present = load_present(before, folder_.file());
+  const auto text = with_secrets(*given, before);
+  if (!text) return refused(400, text.error(), "read the configuration again");
+  const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+  if (!draft.loaded) {
+    json body{{"error", "the configuration has faults"}, {"hint", "correct the faults"}};
+    body["faults"] = faults_json(draft.loaded.error());
+    return {400, text_of(body)};
+  }
+  if (!present.loaded)
+    return refused(409, "the present file is invalid, so its protected keys are unknown",
+                   "an administrator corrects the file itself");
+  const auto changed = changed_protected_keys(*present.loaded, *draft.loaded);
+  if (!changed.empty())
+    return refused(403, fmt::format("a protected key differs: {}", fmt::join(changed, "; ")),
+                   "restore its lines");
+  return put(*text, printable(*why), caller);
+}
+
+Outcome ConfigurationAgent::put(const std::string& text, std::string why, const Caller& caller) {
+  if (watch_)
+    return refused(
+        409, fmt::format("the version {} of {} is still watched", watch_->version, watch_->who),
+        "confirm it or roll it back first, or wait for the end of the watch");
+  const auto qualities = ports_.qualities();
+  if (!qualities) return refused(503, "the bridge is starting or reloading", "try again later");
+  const UtcMapping now = ports_.clock();
+  const std::string before = folder_.present(), base = version_of(before);
+  const std::string version = version_of(text);
+  if (version == base) return refused(400, "the text does not differ from the file", "");
+  if (!folder_.text_of(base))
+    folder_.add({base, "", "found in the file", now.utc, "found"}, before);
+  folder_.add({version, caller.name, why, now.utc, "watching"}, text);
+  watch_ = Watch{.version = version,
+                 .base = base,
+                 .who = caller.name,
+                 .until = now.instant + Watch::kLongestReload,
+                 .good = good_channels(*qualities)};
+  try {
+    folder_.store_watch(watch_);
+    folder_.replace(text);
+  } catch (const security::SecurityError&) {
+    end_watch("not deployed: the file could not be written");
+    throw;
+  }
+  note(caller.name, "deploy", fmt::format("version {}, before {}: {}", version, base, why));
+  ports_.reload();
+  return done({{"version", version},
+               {"until_ms", unix_ms({now.utc.nanoseconds + Watch::kLength.count()})}});
+}
+
+Outcome ConfigurationAgent::confirm(const json& request, const Caller& caller) {
+  const auto version = text_in(request, "version", kMostVersionBytes);
+  if (!version) return no_text("version", kMostVersionBytes);
+  if (!watch_ || watch_->version != *version)
+    return refused(409, "this version is not watched",
+                   "it was kept, confirmed or rolled back already");
+  note(caller.name, "confirm", "version " + *version);
+  end_watch("confirmed by " + caller.name);
+  return done({{"version", *version}});
+}
+
+Outcome ConfigurationAgent::rollback(const json& request, const Caller& caller) {
+  const auto version = text_in(request, "version", kMostVersionBytes);
+  if (!version) return no_text("version", kMostVersionBytes);
+  const auto why = text_in(request, "why", kMostWhy);
+  if (!why || why->empty()) return no_text("why", kMostWhy);
+  if (watch_ && watch_->base == *version) {
+    roll_back(printable(*why), caller.name);
+    return done({{"version", *version}, {"until_ms", nullptr}});
+  }
+  const auto text = folder_.text_of(*version);
+  if (!text) return unknown_version();
+  // The rest of the machine may have changed since then.
+  const json again{{"text", *text},
+                   {"base", version_of(folder_.present())},
+                   {"why", fmt::format("back to {}: {}", *version, *why).substr(0, kMostWhy)}};
+  return deploy(again, caller);
+}
+
+Outcome ConfigurationAgent::versions(const json&, const Caller&) {
+  json list = json::array();
+  for (auto row = folder_.rows().rbegin(); row != folder_.rows().rend(); ++row)
+    list.push_back({{"version", row->version},
+                    {"who", row->who},
+                    {"why", row->why},
+                    {"at_ms", unix_ms(row->at)},
+                    {"state", row->state}});
+  return done(list);
+}
+
+Outcome ConfigurationAgent::version(const json& request, const Caller&) {
+  const auto version = text_in(request, "version", kMostVersionBytes);
+  const auto text = version ? folder_.text_of(*version) : std::nullopt;
+  if (!text) return unknown_version();
+  return done({{"text", without_secrets(*text)}});
+}
+
+void ConfigurationAgent::reloaded(const std::string& refusal) {
+  if (!watch_) return;
+  const WatchStep step = configure::reloaded(*watch_, refusal, ports_.clock().instant);
+  if (step.end == WatchEnd::kRollBack) roll_back(step.reason, "the bridge");
+}
+
+void ConfigurationAgent::look() {
+  if (!watch_ || ports_.clock().instant < watch_->until) return;
+  const auto qualities = ports_.qualities();
+  if (!qualities) return;
+  const WatchStep step = looked(*watch_, *qualities, ports_.clock().instant);
+  if (step.end == WatchEnd::kRollBack) roll_back(step.reason, "the bridge");
+  if (step.end == WatchEnd::kKeep) {
+    note("the bridge", "keep", fmt::format("version {}: {}", watch_->version, step.reason));
+    end_watch("kept: " + step.reason);
+  }
+}
+
+void ConfigurationAgent::roll_back(const std::string& reason, const std::string& who) {
+  const std::string base = watch_->base, version = watch_->version;
+  const auto text = folder_.text_of(base);
+  if (!text) throw security::SecurityError("the version " + base + " is not kept any more");
+  folder_.replace(*text);
+  note(who, "rollback", fmt::format("from {} to {}: {}", version, base, reason));
+  end_watch(fmt::format("rolled back by {}: {}", who, reason));
+  ports_.reload();
+}
+
+void ConfigurationAgent::end_watch(std::string state) {
+  folder_.set_state(watch_->version, std::move(state));
+  watch_.reset();
+  folder_.store_watch(watch_);
+}
+
+void ConfigurationAgent::note(const std::string& who, const std::string& what,
+                              const std::string& result) {
+  ports_.audit({.at = ports_.clock().utc,
+                .who = who,
+                .what = "configuration: " + what,
+                .target = "",
+                .result = result});
+}
+
+json ConfigurationAgent::watch_json() const {
+  if (!watch_) return nullptr;
+  const UtcMapping now = ports_.clock();
+  const Duration left = watch_->until - now.instant;
+  return {{"version", watch_->version},
+          {"until_ms", unix_ms({now.utc.nanoseconds + left.count()})},
+          {"state", to_text(watch_->state)}};
+}
+
+std::string recover_configuration(const std::string& file) {
+  VersionFolder folder(file);
+  auto watch = folder.stored_watch();
+  if (!watch) return {};
+  const std::string text = folder.present();
+  if (version_of(text) != watch->version) {
+    // The process ended before the file was replaced, or an administrator has changed it since.
+    folder.set_state(watch->version, "not in force: the bridge ended before, or the file changed");
+    folder.store_watch(std::nullopt);
+    return {};
+  }
+  const bool is_valid = load_present(text, folder.file()).loaded.has_value();
+  const WatchStep step = restarted(*watch, is_valid, Instant{});
+  if (step.end != WatchEnd::kRollBack) {
+    folder.store_watch(watch);
+    return {};
+  }
+  const auto before = folder.text_of(watch->base);
+  if (!before) return {};
+  folder.replace(*before);
+  folder.set_state(watch->version, "rolled back by the bridge: " + step.reason);
+  folder.store_watch(std::nullopt);
+  return fmt::format("rolled back from {} to {}: {}", watch->version, watch->base, step.reason);
+}
+
+}  // namespace fieldcast::configure

@@ -1,0 +1,87 @@
+// The operations on the configuration of a bridge: read, check, deploy, confirm, rollback, versions,
+// version. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp), and calls
+// the bridge through its ports.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "bridge/configure/draft_check.hpp"
+#include "bridge/configure/version_folder.hpp"
+#include "bridge/configure/watch.hpp"
+#include "bridge/store/records/records.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast::configure {
+
+// {"status", "body"}: the status of HTTP, and the body of the response.
+struct Outcome {
+  unsigned status = 200;
+  std::string body;  // JSON
+};
+
+class ConfigurationAgent {
+ public:
+  static constexpr std::size_t kMostText = 2u << 20;  // bytes of a configuration
+  static constexpr std::size_t kMostWhy = 256, kMostWho = 200;
+
+  struct Ports {
+    std::function<void()> reload;  // begins the reload of the file; reloaded() reports its end
+    // Empty while the buses of the bridge change.
+    std::function<std::optional<ChannelQualities>()> qualities;
+    std::function<void(AuditEntry entry)> audit;
+    std::function<UtcMapping()> clock;
+  };
+  ConfigurationAgent(const std::string& file, Ports ports);
+
+  // {"operation", "who", ...}. `subject`: of the requester's identity; may be empty.
+  [[nodiscard]] Outcome run(std::string_view request, const std::string& subject);
+
+  // `refusal`: why the bridge did not load the file; empty if it did.
+  void reloaded(const std::string& refusal);
+  // Ends a watch whose time is over. Call it once a second.
+  void look();
+  [[nodiscard]] bool is_watching() const { return watch_.has_value(); }
+
+ private:
+  struct Caller {
+    std::string name;  // "anna (engineer station-1)"
+  };
+  using Json = nlohmann::json;
+  using Operation = Outcome (ConfigurationAgent::*)(const Json& request, const Caller& caller);
+  struct Row {
+    std::string_view name;
+    Operation operation;
+  };
+  static const Row kRows[];
+
+  Outcome read(const Json& request, const Caller& caller);
+  Outcome check(const Json& request, const Caller& caller);
+  Outcome deploy(const Json& request, const Caller& caller);
+  Outcome confirm(const Json& request, const Caller& caller);
+  Outcome rollback(const Json& request, const Caller& caller);
+  Outcome versions(const Json& request, const Caller& caller);
+  Outcome version(const Json& request, const Caller& caller);
+
+  // Replaces the file and begins the watch. REQUIRES: the text is valid.
+  Outcome put(const std::string& text, std::string why, const Caller& caller);
+  // Ends the watch and restores the file of before.
+  void roll_back(const std::string& reason, const std::string& who);
+  void end_watch(std::string state);
+  void note(const std::string& who, const std::string& what, const std::string& result);
+  [[nodiscard]] Json watch_json() const;
+
+  VersionFolder folder_;
+  const Ports ports_;
+  std::optional<Watch> watch_;
+};
+
+// Before the bridge starts: if a watch was interrupted and the file is invalid or made the bridge
+// restart repeatedly, restores the file of before. Returns what was done, for the log; empty if
+// nothing was.
+[[nodiscard]] std::string recover_configuration(const std::string& file);
+
+}  // namespace fieldcast::configure

@@ -1,0 +1,157 @@
+#include "bridge/configure/version_folder.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bridge/security/file_access.hpp"
+
+namespace fieldcast::configure {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::string_view kList = "versions.json", kWatch = "watch.json";
+
+bool exists(const std::string& path) {
+  std::error_code failure;
+  return fs::exists(path, failure);
+}
+
+// Invalid or missing content is an empty value: versions must not prevent a change.
+json json_of(const std::string& path) {
+  if (!exists(path)) return {};
+  return json::parse(security::read_file(path), nullptr, false);
+}
+
+template <class T>
+T value_in(const json& object, const char* name, T missing) {
+  try {
+    return object.value(name, missing);
+  } catch (const json::exception&) { return missing; }
+}
+
+}  // namespace
+
+std::string version_of(std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+  unsigned length = 0;
+  EVP_Digest(text.data(), text.size(), hash.data(), &length, EVP_sha256(), nullptr);
+  std::string hex;
+  for (std::size_t i = 0; i < 8; ++i) hex += fmt::format("{:02x}", hash[i]);
+  return hex;
+}
+
+VersionFolder::VersionFolder(const std::string& file) : file_(file) {
+  std::error_code failure;
+  const fs::path whole = fs::canonical(file, failure);
+  if (!failure) file_ = whole.string();
+  folder_ = file_ + ".versions";
+  const json list = json_of(path(kList));
+  if (!list.is_array()) return;
+  for (const json& row : list) {
+    if (!row.is_object()) continue;
+    rows_.push_back({value_in<std::string>(row, "version", ""),
+                     value_in<std::string>(row, "who", ""), value_in<std::string>(row, "why", ""),
+                     UtcTime{value_in<std::int64_t>(row, "at", 0)},
+                     value_in<std::string>(row, "state", "")});
+  }
+}
+
+std::string VersionFolder::path(std::string_view name) const {
+  return folder_ + '/' + std::string(name);
+}
+
+std::string VersionFolder::present() const { return security::read_file(file_); }
+
+// A version is a file name, and may come from a client.
+std::optional<std::string> VersionFolder::text_of(const std::string& version) const {
+  if (!std::ranges::any_of(rows_, [&](const VersionRow& row) { return row.version == version; }) ||
+      version.find('/') != std::string::npos)
+    return std::nullopt;
+  const std::string name = path(version + ".yaml");
+  return exists(name) ? std::optional(security::read_file(name)) : std::nullopt;
+}
+
+void VersionFolder::make_folder() {
+  if (!exists(folder_)) security::make_folder(folder_);
+}
+
+void VersionFolder::add(VersionRow row, const std::string& text) {
+  make_folder();
+  security::replace(path(row.version + ".yaml"), text, security::kOwnerOnly);
+  rows_.push_back(std::move(row));
+  std::vector<std::string> old;
+  while (rows_.size() > kMostVersions) {
+    old.push_back(rows_.front().version);
+    rows_.erase(rows_.begin());
+  }
+  write_list();
+  for (const std::string& version : old) {
+    const auto same = [&](const VersionRow& other) { return other.version == version; };
+    if (std::ranges::none_of(rows_, same)) ::unlink(path(version + ".yaml").c_str());
+  }
+}
+
+void VersionFolder::set_state(const std::string& version, std::string state) {
+  const auto row = std::find_if(rows_.rbegin(), rows_.rend(),
+                                [&](const VersionRow& other) { return other.version == version; });
+  if (row == rows_.rend()) return;
+  row->state = std::move(state);
+  write_list();
+}
+
+void VersionFolder::write_list() {
+  json list = json::array();
+  for (const VersionRow& row : rows_)
+    list.push_back({{"version", row.version},
+                    {"who", row.who},
+                    {"why", row.why},
+                    {"at", row.at.nanoseconds},
+                    {"state", row.state}});
+  security::replace(path(kList), list.dump(1, ' ', false, json::error_handler_t::replace),
+                    security::kOwnerOnly);
+}
+
+void VersionFolder::replace(const std::string& text) {
+  struct stat found {};
+  const mode_t mode =
+      ::stat(file_.c_str(), &found) == 0 ? (found.st_mode & 0777) : security::kOwnerOnly;
+  security::replace(file_, text, mode);
+}
+
+std::optional<Watch> VersionFolder::stored_watch() const {
+  const json stored = json_of(path(kWatch));
+  if (!stored.is_object()) return std::nullopt;
+  Watch watch;
+  watch.version = value_in<std::string>(stored, "version", "");
+  watch.base = value_in<std::string>(stored, "base", "");
+  watch.who = value_in<std::string>(stored, "who", "");
+  watch.restarts = value_in(stored, "restarts", 0);
+  watch.good = value_in<std::vector<std::string>>(stored, "good", {});
+  return watch;
+}
+
+void VersionFolder::store_watch(const std::optional<Watch>& watch) {
+  if (!watch) {
+    ::unlink(path(kWatch).c_str());
+    return;
+  }
+  make_folder();
+  const json stored{{"version", watch->version},
+                    {"base", watch->base},
+                    {"who", watch->who},
+                    {"restarts", watch->restarts},
+                    {"good", watch->good}};
+  security::replace(path(kWatch), stored.dump(), security::kOwnerOnly);
+}
+
+}  // namespace fieldcast::configure

@@ -1,0 +1,60 @@
+// Versions of a configuration file, in a folder beside it, and its replacement. A power loss leaves
+// the old or the new file, complete. Throws security::SecurityError with the path. One thread at a
+// time.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridge/configure/watch.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast::configure {
+
+// 16 hexadecimal digits of the SHA-256 of the text.
+[[nodiscard]] std::string version_of(std::string_view text);
+
+// A text that was in force.
+struct VersionRow {
+  std::string version, who, why;
+  UtcTime at;
+  std::string state;  // "watching", "kept", "confirmed", "rolled back: REASON", "found"
+};
+
+class VersionFolder {
+ public:
+  static constexpr std::size_t kMostVersions = 100;  // then the oldest are deleted
+
+  // `file`: the configuration; a link is followed.
+  explicit VersionFolder(const std::string& file);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::string present() const;                                   // text of the file
+  [[nodiscard]] const std::vector<VersionRow>& rows() const { return rows_; }  // oldest first
+  // Empty if the version is unknown.
+  [[nodiscard]] std::optional<std::string> text_of(const std::string& version) const;
+
+  // Adds a row and keeps its text. The same text may have several rows.
+  void add(VersionRow row, const std::string& text);
+  // Sets the state of the last row of this version.
+  void set_state(const std::string& version, std::string state);
+  // Replaces the configuration file; its access rights remain.
+  void replace(const std::string& text);
+
+  // The watch of a process that ended within it.
+  [[nodiscard]] std::optional<Watch> stored_watch() const;
+  void store_watch(const std::optional<Watch>& watch);  // empty: deletes it
+
+ private:
+  [[nodiscard]] std::string path(std::string_view name) const;
+  void write_list();
+  void make_folder();
+
+  std::string file_, folder_;
+  std::vector<VersionRow> rows_;
+};
+
+}  // namespace fieldcast::configure

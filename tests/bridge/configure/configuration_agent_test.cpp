@@ -1,0 +1,218 @@
+#include "bridge/configure/configuration_agent.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "bridge/configure/configuration_service.hpp"
+#include "bridge/security/file_access.hpp"
+#include "tests/bridge/security/scratch_folder.hpp"
+
+namespace fieldcast::configure {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kText = R"(bridge: b
+configure: { allow: true }
+buses:
+  - name: line
+    port: { tcp: "127.0.0.1:502" }
+    protocol: modbus-tcp
+    devices:
+      - { name: d, address: 1, channels: [ { name: c, at: "holding:1", type: uint16 } ] }
+)";
+
+class ConfigurationAgentTest : public testing::Test {
+ protected:
+  ConfigurationAgentTest() {
+    std::ofstream(file_) << kText;
+    start();
+  }
+
+  void start() {
+    agent_.emplace(file_, ConfigurationAgent::Ports{
+                              .reload = [this] { ++reloads_; },
+                              .qualities = [this] { return qualities_; },
+                              .audit = [this](AuditEntry entry) { audit_.push_back(entry); },
+                              .clock =
+                                  [this] {
+                                    return UtcMapping{now_, {now_.time_since_epoch().count()}};
+                                  }});
+  }
+  std::pair<unsigned, json> run(const std::string& operation, json request = json::object()) {
+    request["operation"] = operation;
+    if (!request.contains("who")) request["who"] = "anna";
+    const Outcome outcome = agent_->run(request.dump(), "");
+    return {outcome.status, json::parse(outcome.body)};
+  }
+  std::pair<unsigned, json> deploy(const std::string& text) {
+    return run("deploy", {{"text", text}, {"base", version_of(file())}, {"why", "a test"}});
+  }
+  [[nodiscard]] std::string file() const { return security::read_file(file_); }
+  std::string state_of_last() { return run("versions").second[0]["state"]; }
+
+  test::ScratchFolder scratch_;
+  const std::string file_ = scratch_.path("b.yaml");
+  const std::string more_ = std::string(kText) + "log: { level: debug }\n";
+  Instant now_{1h};
+  int reloads_ = 0;
+  std::optional<ChannelQualities> qualities_ = ChannelQualities{{"line/d/c", Quality::kGood}};
+  std::vector<AuditEntry> audit_;
+  std::optional<ConfigurationAgent> agent_;
+};
+
+TEST_F(ConfigurationAgentTest, DeploysWatchesAndKeeps) {
+  const auto [status, body] = deploy(more_);
+  EXPECT_EQ(status, 200u) << body;
+  EXPECT_EQ(file(), more_);
+  EXPECT_EQ(reloads_, 1);
+  EXPECT_EQ(run("read").second["watch"]["state"], "reloading");
+  agent_->reloaded("");
+  EXPECT_EQ(run("read").second["watch"]["state"], "watching");
+  now_ += 30s;
+  agent_->look();
+  EXPECT_FALSE(agent_->is_watching());
+  EXPECT_THAT(state_of_last(), HasSubstr("kept"));
+  EXPECT_EQ(audit_.size(), 2u);
+  EXPECT_EQ(audit_[0].who, "anna");
+  EXPECT_EQ(audit_[0].what, "configuration: deploy");
+}
+
+TEST_F(ConfigurationAgentTest, RollsBackIfChannelsTurnBad) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("");
+  qualities_->at("line/d/c") = Quality::kBadNoResponse;
+  now_ += 30s;
+  agent_->look();
+  EXPECT_EQ(file(), kText);
+  EXPECT_EQ(reloads_, 2);
+  EXPECT_THAT(state_of_last(), HasSubstr("line/d/c BAD_NO_ANSWER"));
+}
+
+TEST_F(ConfigurationAgentTest, AConfirmationEndsTheWatch) {
+  const std::string version = deploy(more_).second["version"];
+  agent_->reloaded("");
+  EXPECT_EQ(run("confirm", {{"version", "0"}}).first, 409u);
+  EXPECT_EQ(run("confirm", {{"version", version}}).first, 200u);
+  qualities_->at("line/d/c") = Quality::kBadNoResponse;
+  now_ += 1min;
+  agent_->look();
+  EXPECT_EQ(file(), more_);
+  EXPECT_EQ(state_of_last(), "confirmed by anna");
+}
+
+TEST_F(ConfigurationAgentTest, ARefusedReloadRestoresTheFile) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("no such interface");
+  EXPECT_EQ(file(), kText);
+  EXPECT_THAT(state_of_last(), HasSubstr("no such interface"));
+}
+
+TEST_F(ConfigurationAgentTest, TheSecondEngineerSeesTheConflict) {
+  const json mine{
+      {"text", std::string(kText) + "# mine\n"}, {"base", version_of(kText)}, {"why", "x"}};
+  ASSERT_EQ(deploy(more_).first, 200u);
+  const auto [status, body] = run("deploy", mine);
+  EXPECT_EQ(status, 409u);
+  EXPECT_EQ(body["text"], more_);
+  EXPECT_THAT(std::string(body["error"]), HasSubstr("anna"));
+  EXPECT_EQ(file(), more_);
+}
+
+TEST_F(ConfigurationAgentTest, AWatchedVersionIsNotReplaced) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  EXPECT_EQ(deploy(std::string(kText) + "# third\n").first, 409u);
+}
+
+TEST_F(ConfigurationAgentTest, RefusesFaultsProtectedKeysAndEmptyReasons) {
+  EXPECT_EQ(deploy("bridge: b\n").first, 400u);
+  EXPECT_EQ(deploy(std::string(kText) + "metrics: { listen: 127.0.0.1:9464 }\n").first, 403u);
+  EXPECT_EQ(run("deploy", {{"text", more_}, {"base", version_of(kText)}, {"why", ""}}).first, 400u);
+  EXPECT_EQ(run("deploy", {{"base", version_of(kText)}, {"why", "x"}}).first, 400u);
+  EXPECT_EQ(run("dance").first, 400u);
+  EXPECT_EQ(agent_->run("[1]", "").status, 400u);
+  EXPECT_EQ(file(), kText);
+  EXPECT_EQ(reloads_, 0);
+}
+
+TEST_F(ConfigurationAgentTest, WaitsWhileTheBridgeReloads) {
+  qualities_.reset();
+  EXPECT_EQ(deploy(more_).first, 503u);
+  EXPECT_EQ(file(), kText);
+}
+
+TEST_F(ConfigurationAgentTest, GoesBackToAVersion) {
+  const std::string version = deploy(more_).second["version"];
+  agent_->reloaded("");
+  (void)run("confirm", {{"version", version}});
+  const json back{{"version", version_of(kText)}, {"why", "too loud"}};
+  EXPECT_EQ(run("rollback", back).first, 200u);
+  EXPECT_EQ(file(), kText);
+  EXPECT_TRUE(agent_->is_watching());
+  EXPECT_EQ(run("rollback", {{"version", "../b"}, {"why", "x"}}).first, 404u);
+}
+
+TEST_F(ConfigurationAgentTest, ARollbackWithinTheWatchEndsIt) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  EXPECT_EQ(run("rollback", {{"version", version_of(kText)}, {"why", "oops"}}).first, 200u);
+  EXPECT_EQ(file(), kText);
+  EXPECT_FALSE(agent_->is_watching());
+  EXPECT_EQ(state_of_last(), "rolled back by anna: oops");
+}
+
+TEST_F(ConfigurationAgentTest, ADraftCannotReadOtherFiles) {
+  const test::ScratchFolder elsewhere;
+  std::ofstream(elsewhere.path("o.csv")) << "name,at,type\nsecret,holding:1,uint16\n";
+  std::string text = kText;
+  const std::string list = "channels: [ { name: c, at: \"holding:1\", type: uint16 } ]";
+  text.replace(text.find(list), list.size(), "channels: " + elsewhere.path("o.csv"));
+  const auto [status, body] = run("check", {{"text", text}});
+  EXPECT_EQ(status, 200u);
+  EXPECT_THAT(body["faults"].dump(), HasSubstr("cannot be read"));
+}
+
+TEST_F(ConfigurationAgentTest, ARestartWithinTheWatchContinuesIt) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  EXPECT_EQ(recover_configuration(file_), "");
+  start();
+  EXPECT_TRUE(agent_->is_watching());
+  qualities_->at("line/d/c") = Quality::kBadNoResponse;
+  now_ += 30s;
+  agent_->look();
+  EXPECT_EQ(file(), kText);
+}
+
+TEST_F(ConfigurationAgentTest, TheSecondRestartWithinTheWatchRestoresTheFile) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  EXPECT_EQ(recover_configuration(file_), "");
+  EXPECT_THAT(recover_configuration(file_), HasSubstr("rolled back"));
+  EXPECT_EQ(file(), kText);
+  EXPECT_EQ(recover_configuration(file_), "");
+}
+
+TEST_F(ConfigurationAgentTest, ADeploymentThatDidNotReachTheFileIsForgotten) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  std::ofstream(file_) << kText;
+  EXPECT_EQ(recover_configuration(file_), "");
+  start();
+  EXPECT_FALSE(agent_->is_watching());
+  EXPECT_EQ(file(), kText);
+}
+
+TEST(RefusalOfRequests, NeedsTheKeyAndASafeDomain) {
+  BridgeSpec spec;
+  EXPECT_THAT(refusal_of_requests(spec, true), HasSubstr("configure"));
+  spec.configure.allow = true;
+  EXPECT_EQ(refusal_of_requests(spec, true), "");
+  EXPECT_THAT(refusal_of_requests(spec, false), HasSubstr("DDS Security"));
+  spec.dds.security = "/etc/fieldcast/member";
+  EXPECT_EQ(refusal_of_requests(spec, false), "");
+}
+
+}  // namespace
+}  // namespace fieldcast::configure

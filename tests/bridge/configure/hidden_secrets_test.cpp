@@ -1,0 +1,48 @@
+#include "bridge/configure/hidden_secrets.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast::configure {
+namespace {
+
+struct Case {
+  const char* text;
+  const char* shown;
+};
+
+class HiddenSecrets : public testing::TestWithParam<Case> {};
+
+TEST_P(HiddenSecrets, AreNotShownAndReturn) {
+  const auto [text, shown] = GetParam();
+  EXPECT_EQ(without_secrets(text), shown);
+  EXPECT_EQ(with_secrets(shown, text).value(), text);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Texts, HiddenSecrets,
+    testing::Values(Case{"bridge: b\n", "bridge: b\n"},
+                    Case{"store: { url: postgresql://anna:pw@db:5432/plant }",
+                         "store: { url: postgresql://anna:__HIDDEN__@db:5432/plant }"},
+                    Case{"url: 'postgresql://anna:p@w:x/y#z@db/plant'",
+                         "url: 'postgresql://anna:__HIDDEN__@db/plant'"},
+                    Case{"url: postgresql://anna@db/plant?password=pw&x=1",
+                         "url: postgresql://anna@db/plant?password=__HIDDEN__&x=1"},
+                    Case{"url: postgresql://anna@db/plant\n", "url: postgresql://anna@db/plant\n"},
+                    Case{"options: { password: \"pw 1\", unit: 2 }",
+                         "options: { password: \"__HIDDEN__\", unit: 2 }"},
+                    Case{"Passphrase: pw\nname: a\n", "Passphrase: __HIDDEN__\nname: a\n"},
+                    Case{"description: passwords are elsewhere\n",
+                         "description: passwords are elsewhere\n"},
+                    Case{"a: postgres://x:one@h/d\nb: postgres://y:two@h/d",
+                         "a: postgres://x:__HIDDEN__@h/d\nb: postgres://y:__HIDDEN__@h/d"}));
+
+TEST(HiddenSecretsTest, ADraftWithoutAnyNeedsNone) {
+  EXPECT_EQ(with_secrets("bridge: b", "url: postgres://x:one@h/d").value(), "bridge: b");
+}
+
+TEST(HiddenSecretsTest, AnotherNumberIsRefused) {
+  EXPECT_FALSE(with_secrets("a: __HIDDEN__", "a: postgres://x:one@h/d\nb: postgres://y:two@h/d"));
+}
+
+}  // namespace
+}  // namespace fieldcast::configure

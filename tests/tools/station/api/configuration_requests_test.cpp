@@ -1,0 +1,106 @@
+// The resources of /api/configuration, with a bridge that returns a given reply.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/api_routes.hpp"
+#include "tools/station/api/device_templates.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using testing::HasSubstr;
+
+class ConfigurationApi : public testing::Test {
+ protected:
+  using Body = nlohmann::json;
+
+  HttpResponse ask(ApiHandler* handler, HttpRequest request) {
+    std::optional<HttpResponse> response;
+    handler(api_, request, Caller{"anna", Role::kEngineer, "127.0.0.1"},
+            [&](HttpResponse given) { response = std::move(given); });
+    while (!response) {
+      io_.restart();
+      io_.run_for(std::chrono::milliseconds{10});
+    }
+    return *std::move(response);
+  }
+  HttpResponse post(ApiHandler* handler, const Body& body) {
+    HttpRequest request = test::request_of("/api/configuration", Method::kPost);
+    request.body = body.dump();
+    return ask(handler, std::move(request));
+  }
+
+  ConfigurationRequests::Replied reply_ = std::string(R"({"status":200,"body":{"version":"1"}})");
+  Body sent_;
+  boost::asio::io_context io_;
+  ConfigurationRequests requests_{io_,
+                                  [this](const std::string& bridge, const std::string& request) {
+                                    sent_ = Body::parse(request);
+                                    sent_["to"] = bridge;
+                                    return reply_;
+                                  },
+                                  [] {}};
+  Api api_{.configurations = &requests_};
+};
+
+TEST_F(ConfigurationApi, TheBridgeGetsTheRequestWithTheUser) {
+  const Body body{{"bridge", "north:b"}, {"base", "0"}, {"text", "t"}, {"why", "w"}};
+  const HttpResponse response = post(deploy_configuration, body);
+  EXPECT_EQ(response.status, 200u);
+  EXPECT_EQ(Body::parse(response.body), Body({{"version", "1"}}));
+  EXPECT_EQ(sent_, Body({{"operation", "deploy"},
+                         {"who", "anna"},
+                         {"to", "north:b"},
+                         {"base", "0"},
+                         {"text", "t"},
+                         {"why", "w"}}));
+}
+
+TEST_F(ConfigurationApi, AClientCannotChooseTheUserOrTheOperation) {
+  for (const char* name : {"who", "operation", "x"}) {
+    const HttpResponse response =
+        post(confirm_configuration, {{"bridge", "b"}, {"version", "1"}, {name, "root"}});
+    EXPECT_EQ(response.status, 400u) << name;
+  }
+  EXPECT_TRUE(sent_.is_null());
+}
+
+TEST_F(ConfigurationApi, TheStatusOfTheBridgeIsThatOfTheResponse) {
+  reply_ = std::string(R"({"status":409,"body":{"error":"e","hint":"h"}})");
+  EXPECT_EQ(post(check_configuration, {{"bridge", "b"}, {"text", ""}}).status, 409u);
+}
+
+TEST_F(ConfigurationApi, AnInvalidReplyIsNotPassedOn) {
+  for (const char* reply : {"", "[]", R"({"status":"200","body":1})", R"({"status":7,"body":1})"}) {
+    reply_ = std::string(reply);
+    EXPECT_EQ(post(check_configuration, {{"bridge", "b"}, {"text", ""}}).status, 502u) << reply;
+  }
+}
+
+TEST_F(ConfigurationApi, AFaultSaysWhatToDo) {
+  reply_ = tl::unexpected(StationFault::kNoBridge);
+  const HttpResponse away = post(check_configuration, {{"bridge", "b"}, {"text", ""}});
+  EXPECT_EQ(away.status, 504u);
+  EXPECT_THAT(away.body, HasSubstr("configure: { allow: true }"));
+  reply_ = tl::unexpected(StationFault::kNoRight);
+  const HttpResponse refused = post(check_configuration, {{"bridge", "b"}, {"text", ""}});
+  EXPECT_EQ(refused.status, 403u);
+  EXPECT_THAT(refused.body, HasSubstr("fieldcast secure add engineer"));
+}
+
+TEST(DeviceTemplates, HaveMakerModelAndProtocol) {
+  const DeviceTemplate meter = device_template_of(
+      "em24", "# Device:   Carlo Gavazzi EM24-DIN, meter\nprotocols: [modbus-rtu, modbus-tcp]\n");
+  EXPECT_EQ(meter.maker, "Carlo Gavazzi");
+  EXPECT_EQ(meter.model, "EM24-DIN, meter");
+  EXPECT_EQ(meter.protocol, "modbus-rtu, modbus-tcp");
+  EXPECT_EQ(device_template_of("press", "description: Hydraulic press\n").model, "Hydraulic press");
+  EXPECT_EQ(device_template_of("x", "").maker, "");
+}
+
+}  // namespace
+}  // namespace fieldcast::web

@@ -1,0 +1,78 @@
+// POST /api/configuration/import: converts a register list or the file of another program.
+#include <sodium.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/message_text.hpp"
+#include "tools/import/importer.hpp"
+#include "tools/station/api/api_routes.hpp"
+#include "tools/station/api/base/exchange.hpp"
+
+namespace fieldcast::web {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxFile = 3u << 20, kMaxName = 128, kMaxProtocol = 64;  // bytes
+constexpr std::size_t kMaxRows = 10'000;  // of each list in the response
+
+std::optional<std::string> from_base64(const std::string& text) {
+  std::string bytes(text.size(), '\0');
+  std::size_t size = 0;
+  if (sodium_base642bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(),
+                        text.size(), "\r\n", &size, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0)
+    return std::nullopt;
+  bytes.resize(size);
+  return bytes;
+}
+
+json body_of(const importing::Outcome& outcome) {
+  json body{{"text", outcome.files.empty() ? "" : outcome.files.front().text},
+            {"moved", json::array()},
+            {"refusals", json::array()},
+            {"recognised", outcome.recognised},
+            {"notes", outcome.notes}};
+  for (const importing::PointFate& row : outcome.rows) {
+    const std::string from = row.at.empty() ? row.name : row.name + ' ' + row.at;
+    if (row.fate == importing::Fate::kRefused && body["refusals"].size() < kMaxRows)
+      body["refusals"].push_back({{"where", from}, {"why", row.words}});
+    if (row.fate != importing::Fate::kRefused && body["moved"].size() < kMaxRows)
+      body["moved"].push_back({{"from", from}, {"to", row.channel}, {"change", row.words}});
+  }
+  return body;
+}
+
+HttpResponse imported(const importing::InputFile& input, const importing::ImportOptions& options) {
+  const auto outcome = importing::run_import({input}, options);
+  if (!outcome)
+    return error_response(400, outcome.error(), "fieldcast import has the same with more options");
+  return json_response(body_of(*outcome).dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void import_configuration(const Api& api, const HttpRequest& request, const Caller&,
+                          const Reply& reply) {
+  const auto body = body_of(request);
+  if (!body) return reply(body.error());
+  const auto name = text_in(*body, "name", kMaxName);
+  const auto content = text_in(*body, "content_base64", kMaxFile / 3 * 4);
+  auto bytes = content ? from_base64(*content) : std::nullopt;
+  if (!name || !bytes)
+    return reply(error_response(400, "the name or the content of the file is missing or too long",
+                                R"({"name", "content_base64", "protocol"}, at most 3 MiB)"));
+  importing::ImportOptions options;
+  options.protocol = text_in(*body, "protocol", kMaxProtocol).value_or("");
+  if (const auto fault = importing::fault_of_options(options))
+    return reply(error_response(400, *fault, "leave the protocol out to guess it"));
+  auto response = std::make_shared<HttpResponse>();
+  const bool runs = api.configurations->run(
+      [response, options, input = importing::InputFile{printable(*name), *std::move(bytes)}] {
+        *response = imported(input, options);
+      },
+      [response, reply] { reply(std::move(*response)); });
+  if (!runs) reply(error_response(503, "too many requests wait", "try again later"));
+}
+
+}  // namespace fieldcast::web

@@ -1,0 +1,43 @@
+#include "tools/station/live/configuration_requests.hpp"
+
+#include <boost/asio/post.hpp>
+#include <utility>
+
+namespace fieldcast::web {
+
+ConfigurationRequests::ConfigurationRequests(boost::asio::io_context& io, Send send,
+                                             std::function<void()> cancel)
+    : io_(io),
+      send_(std::move(send)),
+      cancel_(std::move(cancel)),
+      worker_("configure", kMaxWaiting, [](auto& tasks) {
+        while (const auto task = tasks.take()) {
+          if (!tasks.closed()) (*task)();
+        }
+      }) {}
+
+ConfigurationRequests::~ConfigurationRequests() {
+  worker_.queue().close();
+  cancel_();
+}
+
+bool ConfigurationRequests::send(std::string bridge, std::string request,
+                                 std::function<void(Replied)> done) {
+  auto replied = std::make_shared<Replied>();
+  return run([this, replied, bridge = std::move(bridge),
+              request = std::move(request)] { *replied = send_(bridge, request); },
+             [replied, done = std::move(done)] { done(std::move(*replied)); });
+}
+
+bool ConfigurationRequests::run(std::function<void()> work, std::function<void()> done) {
+  std::function<void()> task = [this, weak = std::weak_ptr(open_), work = std::move(work),
+                                done = std::move(done)] {
+    work();
+    boost::asio::post(io_, [weak, done] {
+      if (!weak.expired()) done();
+    });
+  };
+  return worker_.queue().try_put(task);
+}
+
+}  // namespace fieldcast::web

@@ -1,0 +1,46 @@
+// Sends requests about configurations to bridges, one after the other, on its own thread, so that
+// the io thread never blocks. Runs on the io thread.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/base/worker.hpp"
+#include "bridge/station/station.hpp"
+
+namespace fieldcast::web {
+
+class ConfigurationRequests {
+ public:
+  static constexpr std::size_t kMaxWaiting = 16;
+  // For the reply of a bridge. The plan of a large configuration lasts seconds.
+  static constexpr Duration kWait = std::chrono::seconds{20};
+
+  using Replied = tl::expected<std::string, StationFault>;
+  // Blocks; called on the thread of this object.
+  using Send = std::function<Replied(const std::string& bridge, std::string request)>;
+  // `cancel` ends a pending `send`. `io` must outlive this object.
+  ConfigurationRequests(boost::asio::io_context& io, Send send, std::function<void()> cancel);
+  ~ConfigurationRequests();
+  ConfigurationRequests(const ConfigurationRequests&) = delete;
+  ConfigurationRequests& operator=(const ConfigurationRequests&) = delete;
+
+  // `done` is called once on the io thread, unless this object is destroyed before. Returns false
+  // if too many requests wait; then `done` is not called.
+  [[nodiscard]] bool send(std::string bridge, std::string request,
+                          std::function<void(Replied)> done);
+  // Does other slow work about configurations on this thread; `done` as above.
+  [[nodiscard]] bool run(std::function<void()> work, std::function<void()> done);
+
+ private:
+  boost::asio::io_context& io_;
+  const Send send_;
+  const std::function<void()> cancel_;
+  std::shared_ptr<bool> open_ = std::make_shared<bool>(true);
+  Worker<std::function<void()>> worker_;  // last: its thread uses the members above
+};
+
+}  // namespace fieldcast::web
