@@ -5,6 +5,7 @@
 //        (default: all)
 //        schedule_bench mixed FIRST_SEED
 //        schedule_bench agree|engine FIRST_SEED MAPS
+//        schedule_bench losses FIRST_SEED MAPS 1|0   (1: whole engine, 0: scheduler alone)
 #include <fmt/format.h>
 #include <time.h>
 
@@ -309,6 +310,9 @@ int main(int argc, char** argv) {
   if (wanted("sustained")) print_sustained();
   if (wanted("agree"))
     bench::print_agreement(arguments.number_at(1, 1u), arguments.number_at(2, 100u));
+  if (arguments.has("losses"))
+    bench::print_losses(arguments.number_at(1, 11u), arguments.number_at(2, 5u),
+                        arguments.number_at(3, 1u) != 0);
   if (wanted("engine"))
     bench::print_engine(arguments.number_at(1, 101u), arguments.number_at(2, 10u));
 }

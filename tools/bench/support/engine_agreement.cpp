@@ -3,10 +3,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
 #include "config/loader/loader.hpp"
+#include "core/plan/layout/partition.hpp"
+#include "core/plan/planner.hpp"
+#include "core/plan/wire_model.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 #include "tools/cli/model/bus_plan.hpp"
@@ -157,6 +164,101 @@ void print_engine(std::uint64_t first_seed, unsigned maps) {
     std::fflush(stdout);
   }
   std::puts("");
+}
+
+namespace {
+
+// Seeds 11 to 15 are the maps of tests/maps.
+test::Map map_of(std::uint64_t seed) {
+  if (seed < 11 || seed > 15) return test::random_map(seed, kChannels);
+  return test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(seed) + ".csv");
+}
+
+// Loads from the bound to the timetable. Each step adds the cause that it is named after.
+struct Steps {
+  double bound = 0, margin = 0, periods = 0, split = 0, table = 0;
+};
+
+// The bound of proven_load() for the given refreshes. Points of different parts share no read.
+double bound_for(const WireModel& wire, std::span<const PlannedPoint> points,
+                 const std::function<double(OrderIndex)>& refresh,
+                 const std::function<std::uint32_t(OrderIndex)>& part) {
+  std::map<std::uint32_t, std::map<double, std::vector<OrderIndex>>> parts;
+  for (OrderIndex i = 0; i < points.size(); ++i) parts[part(i)][refresh(i)].push_back(i);
+  double load = 0;
+  for (const auto& [name, classes] : parts) {
+    std::set<OrderIndex> wanted;
+    double before = 0;
+    for (const auto& [seconds, members] : classes) {
+      wanted.insert(members.begin(), members.end());
+      std::vector<Wanted> ranges;
+      for (const OrderIndex i : wanted) ranges.push_back({points[i].first, points[i].end});
+      const ReadCost& cost = wire.layout.area_runs[wire.layout.area_run_at[*wanted.begin()]].cost;
+      const double all = to_seconds(cost_of(ranges, optimal_partition(ranges, cost), cost));
+      load += (all - before) / seconds;
+      before = all;
+    }
+  }
+  return load;
+}
+
+Steps steps_of(const test::Map& map, Duration response, double share) {
+  const test::FakeProtocol protocol;
+  const ScheduleInput input =
+      test::input_of(map, protocol, kBaud, response - kSilence, bound(map, response) / share);
+  const WireModel wire(input, Planner::kCyclic);
+  const auto points = planned_points(input, wire.layout);
+  const auto scheduler = make_scheduler(input);
+  const ReadPlan& plan = scheduler->plan();
+  const auto of_run = [&](OrderIndex i) { return wire.layout.area_run_at[i]; };
+  const auto refresh = [&](OrderIndex i) { return to_seconds(points[i].refresh); };
+  const double margin = wire.weights.margin + plan.lightness * wire.weights.light_reserve;
+  const auto gap = [&](OrderIndex i) {
+    return to_seconds(allowed_gap_of(ns(points[i].refresh), wire.lead)) * (1 - margin);
+  };
+  const auto period = [&](OrderIndex i) { return to_seconds(plan.points[i].period); };
+  const auto of_group = [&](OrderIndex i) { return plan.grouping.group_at[i]; };
+  return {bound_for(wire, points, refresh, of_run), bound_for(wire, points, gap, of_run),
+          bound_for(wire, points, period, of_run), bound_for(wire, points, period, of_group),
+          plan.table->load()};
+}
+
+}  // namespace
+
+void print_losses(std::uint64_t first_seed, unsigned maps, bool engine) {
+  std::puts(
+      "share of what any master can sustain, 30 min without a missed refresh, and the share of the "
+      "wire lost to each cause");
+  std::printf("%-10s %9s %7s %7s | %7s %8s %7s %7s %7s\n", "map", "response", "engine", "alone",
+              "margin", "periods", "split", "phases", "rests");
+  StepProgress progress("losses", 3 * maps * trials_below(kMost));
+  for (const Duration response : {Duration{1us}, Duration{5ms}, Duration{20ms}}) {
+    double sum = 0, least = 1, sum_alone = 0, least_alone = 1;
+    for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed) {
+      const test::Map map = map_of(seed);
+      const double most = bound(map, response) / test::proven_load(map, kBaud, response - kSilence);
+      const auto greatest = [&](const auto& misses) {
+        return greatest_share(kMost, progress, [&](double share) {
+          return misses(map, response, share * most, 30min) == 0;
+        });
+      };
+      const double alone = greatest(scheduler_missed);
+      const double whole = engine ? greatest(missed) : 0;
+      const Steps at = steps_of(map, response, alone * most);
+      progress.clear();
+      std::printf("%-10s %7.3fms %7.3f %7.3f | %7.3f %8.3f %7.3f %7.3f %7.3f\n",
+                  std::to_string(seed).c_str(), to_seconds(response) * 1e3, whole, alone,
+                  at.margin - at.bound, at.periods - at.margin, at.split - at.periods,
+                  at.table - at.split, 1 - at.table);
+      std::fflush(stdout);
+      sum += whole / maps, least = std::min(least, whole);
+      sum_alone += alone / maps, least_alone = std::min(least_alone, alone);
+    }
+    std::printf(
+        "responses after %.3f ms: engine %.4f on average, %.3f at worst; alone %.4f, %.3f\n",
+        to_seconds(response) * 1e3, sum, least, sum_alone, least_alone);
+    std::fflush(stdout);
+  }
 }
 
 }  // namespace fieldcast::bench

@@ -33,4 +33,8 @@ void print_agreement(std::uint64_t first_seed, unsigned maps);
 // The sustained load of engine and scheduler, on maps not used for tuning.
 void print_engine(std::uint64_t first_seed, unsigned maps);
 
+// The share of what any master can sustain, and the share of the wire lost to each cause. `engine`:
+// false measures the scheduler alone, which is faster.
+void print_losses(std::uint64_t first_seed, unsigned maps, bool engine);
+
 }  // namespace fieldcast::bench
