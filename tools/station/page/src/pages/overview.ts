@@ -29,7 +29,7 @@ export const texts = {
   'overview.last-minute': ['+{n} in the last minute', '最近一分钟 +{n}'], 'overview.plan': ['Read plan', '读取计划'],
   'overview.show': ['Channels', '通道'], 'overview.view': ['View', '视图'], 'overview.cards': ['Cards', '卡片'], 'overview.rows': ['Rows', '列表'], 'overview.none': ['No bus is known yet.', '尚无总线。'],
   'overview.none-hint': ['Buses show up here as soon as a bridge of this domain reports them.', '此域中的网桥一旦上报，总线就会显示在这里。'],
-  'overview.used-trend': ['Used in the last five minutes', '最近五分钟的占用'], 'overview.alarms': ['Alarms', '报警'],
+  'overview.used-trend': ['Used in the last {time}', '最近 {time} 的占用'], 'overview.alarms': ['Alarms', '报警'],
   'overview.report-age': ['Report', '报告'], 'overview.causes': ['Failed exchanges', '失败的交换'],
   'overview.because': ['because of {cause}', '原因：{cause}'], 'overview.clock': ['Clock offset', '时钟偏差'],
   'overview.clock-ahead': ['The clock of this station is {by} ahead of the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟快 {by}。请用 NTP 同步两者。'],
@@ -64,10 +64,11 @@ function grown(loads: readonly Load[], field: 'misses' | 'exchanges', within_ms:
 
 function trend(loads: readonly Load[]): TemplateResult {
   const end = loads.at(-1)?.at_ms ?? 0;
+  const span_ms = Math.max(minute_ms / 6, Math.min(trendFor_ms, end - (loads[0]?.at_ms ?? end)));  // the line fills its width
   const points = loads.map((load) =>
-    `${(300 - ((end - load.at_ms) / trendFor_ms) * 300).toFixed(1)},${(31 - Math.min(1, load.utilisation) * 30).toFixed(1)}`);
-  return html`<svg class="spark" viewBox="0 0 300 32" preserveAspectRatio="none" role="img" aria-label=${t('overview.used-trend')}>
-    <path class="spark-full" d="M0 1H300"></path>
+    `${(300 - ((end - load.at_ms) / span_ms) * 300).toFixed(1)},${(31 - Math.min(1, load.utilisation) * 30).toFixed(1)}`);
+  return html`<svg class="spark" viewBox="0 0 300 32" preserveAspectRatio="none" role="img" aria-label=${t('overview.used-trend', { time: duration(span_ms) })}>
+    <title>${t('overview.used-trend', { time: duration(span_ms) })}</title><path class="spark-full" d="M0 1H300"></path>
     ${points.length > 1 ? svg`<polyline points=${points.join(' ')}></polyline>` : nothing}
   </svg>`;
 }
