@@ -117,6 +117,7 @@ test('the same by keyboard alone', { skip }, async () => {
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   await button(page, 'Add a device').focus();
   await press('Enter');
+  await says(page, '.add-device', /of \d+ templates/);
   await press('Tab', 'Tab', 'Tab', 'Tab');
   await page.keyboard.type('gavazzi em24');
   await press('Tab', 'Enter');
