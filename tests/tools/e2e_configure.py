@@ -118,9 +118,9 @@ class Configure(unittest.TestCase):
         self.assertEqual(self.post("rollback", version=before["version"], why="too much")[0], 200)
         self.assertEqual(self.file(), before["text"])
         wait_until(lambda: "line/press/level" not in self.channels(), SECONDS, self.channels)
-        audit = self.plant.cli("audit", "--store", os.path.join(self.plant.run, "plant.db")).out
+        audit = lambda: self.plant.cli("audit", "--store", os.path.join(self.plant.run, "plant.db")).out  # written later
         for word in ("deploy", "confirm"):
-            self.assertIn(f"configuration: {word}", audit)
+            wait_until(lambda w=word: f"configuration: {w}" in audit(), SECONDS, audit)
 
     def test_channels_that_turn_bad_bring_the_old_file_back(self):
         wait_until(lambda: set(self.channels().values()) == {"GOOD"}, SECONDS, self.channels)
