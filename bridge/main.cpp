@@ -214,7 +214,12 @@ class Reloader {
 configure::ConfigurationAgent::Ports configuration_ports(Bridge& bridge) {
   return {.reload = [] { ::kill(::getpid(), SIGHUP); },
           .qualities = [&bridge] { return bridge.qualities(); },
-          .audit = [&bridge](AuditEntry entry) { bridge.note(std::move(entry)); },
+          .audit =
+              [&bridge](AuditEntry entry) {
+                log_info("configuration",
+                         fmt::format("{} by {}: {}", entry.what, entry.who, entry.result));
+                bridge.note(std::move(entry));
+              },
           .clock = [] { return read_clocks(); }};
 }
 

@@ -54,6 +54,7 @@ bool ConfigurationClient::is_matched() const {
 tl::expected<std::string, StationFault> ConfigurationClient::request(const std::string& bridge,
                                                                      std::string text,
                                                                      Duration wait) {
+  const bool is_new = reader_ == nullptr;
   if (!begin()) return tl::unexpected(StationFault::kNoRight);
   const auto until = std::chrono::steady_clock::now() + wait;
   while (!is_matched()) {
@@ -61,6 +62,8 @@ tl::expected<std::string, StationFault> ConfigurationClient::request(const std::
       return tl::unexpected(StationFault::kNoBridge);
     std::this_thread::sleep_for(kLook);
   }
+  // The bridge may match this reader later than this side does; its reply would be lost until then.
+  if (is_new) std::this_thread::sleep_for(kSettle);
   const ConfigurationMessage message{requester_, next_id_++, bridge, std::move(text)};
   {
     const std::lock_guard lock(mutex_);

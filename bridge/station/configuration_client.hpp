@@ -32,8 +32,9 @@ class ConfigurationClient {
   void cancel();
 
  private:
-  static constexpr Duration kLook = std::chrono::milliseconds{10};   // for a bridge
-  static constexpr Duration kPace = std::chrono::microseconds{500};  // after each part
+  static constexpr Duration kSettle = std::chrono::milliseconds{500};  // of new endpoints
+  static constexpr Duration kLook = std::chrono::milliseconds{10};     // for a bridge
+  static constexpr Duration kPace = std::chrono::microseconds{500};    // after each part
 
   [[nodiscard]] bool begin();
   void end();

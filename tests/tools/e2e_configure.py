@@ -10,6 +10,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -117,9 +118,9 @@ class Configure(unittest.TestCase):
         self.assertEqual(self.post("rollback", version=before["version"], why="too much")[0], 200)
         self.assertEqual(self.file(), before["text"])
         wait_until(lambda: "line/press/level" not in self.channels(), SECONDS, self.channels)
-        audit = self.plant.cli("audit", "--store", os.path.join(self.plant.run, "plant.db")).out
+        audit = lambda: self.plant.cli("audit", "--store", os.path.join(self.plant.run, "plant.db")).out  # written later
         for word in ("deploy", "confirm"):
-            self.assertIn(f"configuration: {word}", audit)
+            wait_until(lambda w=word: f"configuration: {w}" in audit(), SECONDS, audit)
 
     def test_channels_that_turn_bad_bring_the_old_file_back(self):
         wait_until(lambda: set(self.channels().values()) == {"GOOD"}, SECONDS, self.channels)
@@ -213,6 +214,25 @@ class OtherBridges(unittest.TestCase):
                 self.assertNotIn(SECRET, text)
             with open(plant.file, encoding="utf-8") as file:
                 self.assertEqual(file.read().count(SECRET), 2)  # the deployment kept them
+
+    def test_with_security_only_an_identity_of_an_engineer_may(self):
+        with tempfile.TemporaryDirectory(prefix="fieldcast-secure-") as folder:
+            authority = os.path.join(folder, "plant")
+            for words in (["init", authority], ["add", "bridge", "e2e", "--authority", authority], ["add", "engineer", "desk", "--authority", authority],
+                          ["add", "plant", "mes", "--authority", authority]):
+                subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "secure", *words], check=True, capture_output=True, timeout=SECONDS)
+            member = lambda name: os.path.join(authority, "members", name)
+            with Plant(BIN_DIR, CONFIG, dds=f", security: {member('e2e')}", joins=["--security", member("mes")]) as plant:
+                with Station(plant, "desk", ENGINEER, "--listen", "127.0.0.1:0", "--security", member("desk")) as station:
+                    browser = Browser(station)
+                    read = browser.get("/api/configuration?bridge=e2e")
+                    deploy = {"bridge": "e2e", "base": read["version"], "text": read["text"] + "# more\n", "why": "x"}
+                    self.assertEqual(browser.ask("POST", "/api/configuration/deploy", deploy)[0], 200)
+                    self.assertEqual(browser.get("/api/configuration/versions?bridge=e2e")[0]["who"], "local (engineer desk)")
+                with Station(plant, "mes", ENGINEER, "--listen", "127.0.0.1:0", "--security", member("mes")) as station:
+                    status, text = Browser(station).ask("GET", "/api/configuration?bridge=e2e")
+                    self.assertEqual(status, 403, text)
+                    self.assertIn("fieldcast secure add engineer", text)
 
 
 if __name__ == "__main__":
