@@ -15,7 +15,7 @@ namespace fieldcast::web {
 
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr std::size_t kMaxBridgeBytes = 128;  // of a bridge with its site
 
@@ -28,19 +28,19 @@ HttpResponse response_of(const tl::expected<std::string, StationFault>& replied)
                           "is the bridge running, and does its file have 'configure: { allow: true "
                           "}' and its identity the right (fieldcast secure renew)?");
   }
-  const json parsed = json::parse(*replied, nullptr, false);
+  const Json parsed = Json::parse(*replied, nullptr, false);
   const bool is_reply = parsed.is_object() && parsed.contains("status") &&
                         parsed["status"].is_number_unsigned() && parsed.contains("body");
   const unsigned status = is_reply ? parsed["status"].get<unsigned>() : 0;
   if (status < 200 || status > 599)
     return error_response(502, "the bridge sent no valid reply", "is it older than the station?");
   HttpResponse response =
-      json_response(parsed["body"].dump(-1, ' ', false, json::error_handler_t::replace));
+      json_response(parsed["body"].dump(-1, ' ', false, Json::error_handler_t::replace));
   response.status = status;
   return response;
 }
 
-void send(const Api& api, const std::string& operation, json request, const Caller& caller,
+void send(const Api& api, const std::string& operation, Json request, const Caller& caller,
           const Reply& reply) {
   const auto bridge = text_in(request, "bridge", kMaxBridgeBytes);
   if (!bridge)
@@ -49,12 +49,12 @@ void send(const Api& api, const std::string& operation, json request, const Call
   request["operation"] = operation;
   request["who"] = caller.user;
   const bool sent = api.configurations->send(
-      *bridge, request.dump(-1, ' ', false, json::error_handler_t::replace),
+      *bridge, request.dump(-1, ' ', false, Json::error_handler_t::replace),
       [reply, bridge = *bridge, operation](const ConfigurationRequests::Replied& replied) {
         HttpResponse response = response_of(replied);
         if (operation == "read" && response.status == 200)
           response.body =
-              fmt::format("{{\"bridge\":{},{}", json(bridge).dump(), response.body.substr(1));
+              fmt::format("{{\"bridge\":{},{}", Json(bridge).dump(), response.body.substr(1));
         reply(std::move(response));
       });
   if (!sent) reply(error_response(503, "too many requests wait for bridges", "try again later"));
@@ -80,7 +80,7 @@ void send_query(const Api& api, const char* operation,
                 std::initializer_list<std::string_view> names, const HttpRequest& request,
                 const Caller& caller, const Reply& reply) {
   if (auto fault = Parameters(request, names).fault()) return reply(*std::move(fault));
-  json query = json::object();
+  Json query = Json::object();
   for (const std::string_view name : names)
     query[std::string(name)] = request.parameter(name).value_or("");
   send(api, operation, std::move(query), caller, reply);
@@ -132,14 +132,14 @@ void show_configuration_schema(const Api&, const HttpRequest& request, const Cal
 void show_device_templates(const Api&, const HttpRequest& request, const Caller&,
                            const Reply& reply) {
   if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-  json list = json::array();
+  Json list = Json::array();
   for (const DeviceTemplate& each : device_templates())
     list.push_back({{"name", each.name},
                     {"maker", each.maker},
                     {"model", each.model},
                     {"protocol", each.protocol},
                     {"text", each.text}});
-  reply(json_response(list.dump(-1, ' ', false, json::error_handler_t::replace),
+  reply(json_response(list.dump(-1, ' ', false, Json::error_handler_t::replace),
                       request.accepts_gzip));
 }
 

@@ -1,36 +1,25 @@
 // POST /api/configuration/import: converts a register list or the file of another program.
-#include <sodium.h>
-
 #include <nlohmann/json.hpp>
 
 #include "core/base/message_text.hpp"
 #include "tools/import/importer.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
+#include "tools/station/dashboard/picture.hpp"
 
 namespace fieldcast::web {
 
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr std::size_t kMaxFile = 3u << 20, kMaxName = 128, kMaxProtocol = 64;  // bytes
 constexpr std::size_t kMaxRows = 10'000;  // of each list in the response
 
-std::optional<std::string> from_base64(const std::string& text) {
-  std::string bytes(text.size(), '\0');
-  std::size_t size = 0;
-  if (sodium_base642bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(),
-                        text.size(), "\r\n", &size, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0)
-    return std::nullopt;
-  bytes.resize(size);
-  return bytes;
-}
-
-json body_of(const importing::Outcome& outcome) {
-  json body{{"text", outcome.files.empty() ? "" : outcome.files.front().text},
-            {"moved", json::array()},
-            {"refusals", json::array()},
+Json body_of(const importing::Outcome& outcome) {
+  Json body{{"text", outcome.files.empty() ? "" : outcome.files.front().text},
+            {"moved", Json::array()},
+            {"refusals", Json::array()},
             {"recognised", outcome.recognised},
             {"notes", outcome.notes}};
   for (const importing::PointFate& row : outcome.rows) {
@@ -47,7 +36,7 @@ HttpResponse imported(const importing::InputFile& input, const importing::Import
   const auto outcome = importing::run_import({input}, options);
   if (!outcome)
     return error_response(400, outcome.error(), "fieldcast import has the same with more options");
-  return json_response(body_of(*outcome).dump(-1, ' ', false, json::error_handler_t::replace));
+  return json_response(body_of(*outcome).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -58,8 +47,8 @@ void import_configuration(const Api& api, const HttpRequest& request, const Call
   if (!body) return reply(body.error());
   const auto name = text_in(*body, "name", kMaxName);
   const auto content = text_in(*body, "content_base64", kMaxFile / 3 * 4);
-  auto bytes = content ? from_base64(*content) : std::nullopt;
-  if (!name || !bytes)
+  std::string bytes = content ? from_base64(*content) : std::string{};
+  if (!name || bytes.empty())
     return reply(error_response(400, "the name or the content of the file is missing or too long",
                                 R"({"name", "content_base64", "protocol"}, at most 3 MiB)"));
   importing::ImportOptions options;
@@ -68,7 +57,7 @@ void import_configuration(const Api& api, const HttpRequest& request, const Call
     return reply(error_response(400, *fault, "leave the protocol out to guess it"));
   auto response = std::make_shared<HttpResponse>();
   const bool runs = api.configurations->run(
-      [response, options, input = importing::InputFile{printable(*name), *std::move(bytes)}] {
+      [response, options, input = importing::InputFile{printable(*name), std::move(bytes)}] {
         *response = imported(input, options);
       },
       [response, reply] { reply(std::move(*response)); });
