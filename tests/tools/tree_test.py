@@ -115,6 +115,9 @@ JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
 JSON_BY_HAND_IN = {
     "tools/station/settings/configuration.cpp", "tools/station/api/commands.cpp",
     "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
+    # Pass on trees of the JSON library: messages about configurations.
+    "bridge/configure/configuration_agent.cpp", "bridge/configure/configuration_service.cpp", "bridge/configure/version_folder.cpp",
+    "tools/station/api/configuration.cpp", "tools/station/api/configuration_import.cpp",
 }
 
 
