@@ -1,4 +1,5 @@
-// The operations on the configuration of a bridge: read, check, deploy, confirm, rollback, versions,
+// The operations on the configuration of a bridge: read, check, deploy, confirm, rollback,
+// versions,
 // version. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp), and calls
 // the bridge through its ports.
 #pragma once

@@ -29,7 +29,8 @@ struct Draft {
 [[nodiscard]] Draft load_present(std::string_view text, const std::string& file);
 
 enum class Hopeless : std::uint8_t { kRefuse, kAccept };  // buses that cannot carry their channels
-// Only files in the folder of `file`, in those of the library, and `also` are read: a draft must not
+// Only files in the folder of `file`, in those of the library, and `also` are read: a draft must
+// not
 // open others of this machine.
 [[nodiscard]] Draft load_draft(std::string_view text, const std::string& file,
                                const std::set<std::string>& also, Hopeless hopeless);

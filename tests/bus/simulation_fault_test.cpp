@@ -50,7 +50,8 @@ TEST(Simulation, DeadDeviceCostsTheOthersNothing) {
   EXPECT_EQ(bus.engine().device_report(3, bus.now()).state, DeviceState::kOffline);
 }
 
-// The page names failed exchanges as the reason of LATE (bus_advice.ts): this is the case that it describes.
+// The page names failed exchanges as the reason of LATE (bus_advice.ts): this is the case that it
+// describes.
 TEST(Simulation, OneMissingResponseMakesOtherChannelsLateOnlyIfItHoldsTheWireLongerThanTheySpare) {
   const auto late_after_one_silence = [](const char* defaults, Duration refresh) {
     const BusSpec spec = plant(4, 8, defaults);

@@ -118,6 +118,7 @@ JSON_BY_HAND_IN = {
     # Pass on trees of the JSON library: messages about configurations.
     "bridge/configure/configuration_agent.cpp", "bridge/configure/configuration_service.cpp", "bridge/configure/version_folder.cpp",
     "tools/station/api/configuration.cpp", "tools/station/api/configuration_import.cpp",
+    "tools/station/settings/notify_rows.cpp",
 }
 
 

@@ -1,4 +1,5 @@
-// ConfigurationRequest and ConfigurationReply: one JSON text in parts. Data from DDS is not trusted:
+// ConfigurationRequest and ConfigurationReply: one JSON text in parts. Data from DDS is not
+// trusted:
 // texts beyond the limit and parts out of order are rejected. Pure.
 #pragma once
 
