@@ -17,20 +17,16 @@ namespace fieldcast::configure {
 
 namespace {
 
-using nlohmann::json;
+using Tree = nlohmann::json;
 
-std::string text_of(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-Outcome done(const json& body) { return {200, text_of(body)}; }
+Outcome done(const Json& body) { return {200, body.text()}; }
 
 Outcome refused(unsigned status, const std::string& error, const std::string& hint) {
-  return {status, text_of(json{{"error", error}, {"hint", hint}})};
+  return {status, Json{{"error", error}, {"hint", hint}}.text()};
 }
 
 // The text of this name; empty if it is missing or too long.
-std::optional<std::string> text_in(const json& request, const char* name, std::size_t most) {
+std::optional<std::string> text_in(const Tree& request, const char* name, std::size_t most) {
   const auto found = request.find(name);
   if (found == request.end() || !found->is_string()) return std::nullopt;
   const auto& text = found->get_ref<const std::string&>();
@@ -67,7 +63,7 @@ ConfigurationAgent::ConfigurationAgent(const std::string& file, Ports ports)
 }
 
 Outcome ConfigurationAgent::run(std::string_view request, const std::string& subject) {
-  const json parsed = json::parse(request, nullptr, false);
+  const Tree parsed = Tree::parse(request, nullptr, false);
   if (!parsed.is_object()) return refused(400, "the request is not a JSON object", "");
   const auto name = text_in(parsed, "operation", 32).value_or("");
   const Row* const row = std::ranges::find(std::begin(kRows), std::end(kRows), name, &Row::name);
@@ -84,10 +80,10 @@ Outcome ConfigurationAgent::run(std::string_view request, const std::string& sub
   }
 }
 
-Outcome ConfigurationAgent::read(const json&, const Caller&) {
+Outcome ConfigurationAgent::read(const Tree&, const Caller&) {
   const std::string text = folder_.present();
   const Draft present = load_present(text, folder_.file());
-  json files = json::array(), lines = json::array();
+  Json files = Json::array(), lines = Json::array();
   std::size_t bytes = text.size();
   for (const NamedFile& file : present.files) {
     bytes += file.text.size();
@@ -101,71 +97,69 @@ Outcome ConfigurationAgent::read(const json&, const Caller&) {
   return done({{"path", folder_.file()},
                {"version", version_of(text)},
                {"text", without_secrets(text)},
-               {"files", std::move(files)},
-               {"protected", std::move(lines)},
+               {"files", files},
+               {"protected", lines},
                {"watch", watch_json()}});
 }
 
-Outcome ConfigurationAgent::check(const json& request, const Caller&) {
+Outcome ConfigurationAgent::check(const Tree& request, const Caller&) {
   const auto given = text_in(request, "text", kMostText);
   if (!given) return no_text("text", kMostText);
   const std::string before = folder_.present();
   const Draft present = load_present(before, folder_.file());
-  json body{{"faults", json::array()}, {"draft", json::array()}, {"today", json::array()}};
-  if (present.loaded) body["today"] = plans_json(*present.loaded);
-  const auto text = with_secrets(*given, before);
-  if (!text) {
-    body["faults"].push_back({{"file", folder_.file()},
-                              {"line", 1},
-                              {"column", 1},
-                              {"message", text.error()},
-                              {"hint", ""}});
-    return done(body);
+  Json faults = Json::array(), plans = Json::array();
+  if (const auto text = with_secrets(*given, before); !text) {
+    faults.push_back(fault_json(folder_.file(), text.error(), ""));
+  } else {
+    Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+    if (!draft.loaded) {
+      faults = faults_json(draft.loaded.error());
+      // A bus that cannot carry its channels is a fault, and its plan explains the remedy.
+      draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
+    }
+    if (draft.loaded) plans = plans_json(*draft.loaded);
+    if (draft.loaded && present.loaded) {
+      for (const std::string& key : changed_protected_keys(*present.loaded, *draft.loaded))
+        faults.push_back(
+            fault_json(folder_.file(), "a protected key differs: " + key, "restore its lines"));
+    }
   }
-  const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
-  if (!draft.loaded) body["faults"] = faults_json(draft.loaded.error());
-  // A bus that cannot carry its channels is a fault, and its plan explains the remedy.
-  const Draft lenient =
-      draft.loaded ? Draft{} : load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
-  if (const Draft& valid = draft.loaded ? draft : lenient; valid.loaded) {
-    body["draft"] = plans_json(*valid.loaded);
-    for (const std::string& key : present.loaded
-                                      ? changed_protected_keys(*present.loaded, *valid.loaded)
-                                      : std::vector<std::string>{})
-      body["faults"].push_back({{"file", folder_.file()},
-                                {"line", 1},
-                                {"column", 1},
-                                {"message", "a protected key differs: " + key},
-                                {"hint", "restore its lines"}});
-  }
-  return done(body);
+  return done({{"faults", faults},
+               {"draft", plans},
+               {"today", present.loaded ? plans_json(*present.loaded) : Json::array()}});
 }
 
-Outcome ConfigurationAgent::deploy(const json& request, const Caller& caller) {
+Outcome ConfigurationAgent::deploy(const Tree& request, const Caller& caller) {
   const auto given = text_in(request, "text", kMostText);
   if (!given) return no_text("text", kMostText);
   const auto base = text_in(request, "base", kMostVersionBytes);
   if (!base) return no_text("base", kMostVersionBytes);
   const auto why = text_in(request, "why", kMostWhy);
   if (!why || why->empty()) return no_text("why", kMostWhy);
+  return deploy(*given, *base, *why, caller);
+}
+
+Outcome ConfigurationAgent::deploy(const std::string& given, const std::string& base,
+                                   const std::string& why, const Caller& caller) {
   const std::string before = folder_.present();
-  if (*base != version_of(before)) {
+  if (base != version_of(before)) {
     const std::string who = folder_.rows().empty() ? "" : folder_.rows().back().who;
-    return {409, text_of(json{{"error", "the configuration was changed meanwhile" +
-                                            (who.empty() ? "" : ", last by " + who)},
-                              {"hint", "compare your text with the present one, and deploy again"},
-                              {"version", version_of(before)},
-                              {"text", without_secrets(before)}})};
+    const std::string by = who.empty() ? "" : ", last by " + who;
+    return {409, Json{{"error", "the configuration was changed meanwhile" + by},
+                      {"hint", "compare your text with the present one, and deploy again"},
+                      {"version", version_of(before)},
+                      {"text", without_secrets(before)}}
+                     .text()};
   }
   const Draft present = load_present(before, folder_.file());
-  const auto text = with_secrets(*given, before);
+  const auto text = with_secrets(given, before);
   if (!text) return refused(400, text.error(), "read the configuration again");
   const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
-  if (!draft.loaded) {
-    json body{{"error", "the configuration has faults"}, {"hint", "correct the faults"}};
-    body["faults"] = faults_json(draft.loaded.error());
-    return {400, text_of(body)};
-  }
+  if (!draft.loaded)
+    return {400, Json{{"error", "the configuration has faults"},
+                      {"hint", "correct the faults"},
+                      {"faults", faults_json(draft.loaded.error())}}
+                     .text()};
   if (!present.loaded)
     return refused(409, "the present file is invalid, so its protected keys are unknown",
                    "an administrator corrects the file itself");
@@ -173,7 +167,7 @@ Outcome ConfigurationAgent::deploy(const json& request, const Caller& caller) {
   if (!changed.empty())
     return refused(403, fmt::format("a protected key differs: {}", fmt::join(changed, "; ")),
                    "restore its lines");
-  return put(*text, printable(*why), caller);
+  return put(*text, printable(why), caller);
 }
 
 Outcome ConfigurationAgent::put(const std::string& text, std::string why, const Caller& caller) {
@@ -208,7 +202,7 @@ Outcome ConfigurationAgent::put(const std::string& text, std::string why, const 
                {"until_ms", unix_ms({now.utc.nanoseconds + Watch::kLength.count()})}});
 }
 
-Outcome ConfigurationAgent::confirm(const json& request, const Caller& caller) {
+Outcome ConfigurationAgent::confirm(const Tree& request, const Caller& caller) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   if (!version) return no_text("version", kMostVersionBytes);
   if (!watch_ || watch_->version != *version)
@@ -219,7 +213,7 @@ Outcome ConfigurationAgent::confirm(const json& request, const Caller& caller) {
   return done({{"version", *version}});
 }
 
-Outcome ConfigurationAgent::rollback(const json& request, const Caller& caller) {
+Outcome ConfigurationAgent::rollback(const Tree& request, const Caller& caller) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   if (!version) return no_text("version", kMostVersionBytes);
   const auto why = text_in(request, "why", kMostWhy);
@@ -231,14 +225,12 @@ Outcome ConfigurationAgent::rollback(const json& request, const Caller& caller) 
   const auto text = folder_.text_of(*version);
   if (!text) return unknown_version();
   // The rest of the machine may have changed since then.
-  const json again{{"text", *text},
-                   {"base", version_of(folder_.present())},
-                   {"why", fmt::format("back to {}: {}", *version, *why).substr(0, kMostWhy)}};
-  return deploy(again, caller);
+  return deploy(*text, version_of(folder_.present()),
+                fmt::format("back to {}: {}", *version, *why).substr(0, kMostWhy), caller);
 }
 
-Outcome ConfigurationAgent::versions(const json&, const Caller&) {
-  json list = json::array();
+Outcome ConfigurationAgent::versions(const Tree&, const Caller&) {
+  Json list = Json::array();
   for (auto row = folder_.rows().rbegin(); row != folder_.rows().rend(); ++row)
     list.push_back({{"version", row->version},
                     {"who", row->who},
@@ -248,7 +240,7 @@ Outcome ConfigurationAgent::versions(const json&, const Caller&) {
   return done(list);
 }
 
-Outcome ConfigurationAgent::version(const json& request, const Caller&) {
+Outcome ConfigurationAgent::version(const Tree& request, const Caller&) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   const auto text = version ? folder_.text_of(*version) : std::nullopt;
   if (!text) return unknown_version();
@@ -298,7 +290,7 @@ void ConfigurationAgent::note(const std::string& who, const std::string& what,
                 .result = result});
 }
 
-json ConfigurationAgent::watch_json() const {
+Json ConfigurationAgent::watch_json() const {
   if (!watch_) return nullptr;
   const UtcMapping now = ports_.clock();
   const Duration left = watch_->until - now.instant;

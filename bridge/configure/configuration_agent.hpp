@@ -1,7 +1,6 @@
 // The operations on the configuration of a bridge: read, check, deploy, confirm, rollback,
-// versions,
-// version. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp), and calls
-// the bridge through its ports.
+// versions, version. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp),
+// and calls the bridge through its ports.
 #pragma once
 
 #include <functional>
@@ -51,22 +50,25 @@ class ConfigurationAgent {
   struct Caller {
     std::string name;  // "anna (engineer station-1)"
   };
-  using Json = nlohmann::json;
-  using Operation = Outcome (ConfigurationAgent::*)(const Json& request, const Caller& caller);
+  using Tree = nlohmann::json;
+  using Operation = Outcome (ConfigurationAgent::*)(const Tree& request, const Caller& caller);
   struct Row {
     std::string_view name;
     Operation operation;
   };
   static const Row kRows[];
 
-  Outcome read(const Json& request, const Caller& caller);
-  Outcome check(const Json& request, const Caller& caller);
-  Outcome deploy(const Json& request, const Caller& caller);
-  Outcome confirm(const Json& request, const Caller& caller);
-  Outcome rollback(const Json& request, const Caller& caller);
-  Outcome versions(const Json& request, const Caller& caller);
-  Outcome version(const Json& request, const Caller& caller);
+  Outcome read(const Tree& request, const Caller& caller);
+  Outcome check(const Tree& request, const Caller& caller);
+  Outcome deploy(const Tree& request, const Caller& caller);
+  Outcome confirm(const Tree& request, const Caller& caller);
+  Outcome rollback(const Tree& request, const Caller& caller);
+  Outcome versions(const Tree& request, const Caller& caller);
+  Outcome version(const Tree& request, const Caller& caller);
 
+  // `base`: the version that was changed.
+  Outcome deploy(const std::string& given, const std::string& base, const std::string& why,
+                 const Caller& caller);
   // Replaces the file and begins the watch. REQUIRES: the text is valid.
   Outcome put(const std::string& text, std::string why, const Caller& caller);
   // Ends the watch and restores the file of before.

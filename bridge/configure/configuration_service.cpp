@@ -3,21 +3,21 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "bridge/log/log.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast {
 
 namespace {
 
 std::string reply_text(unsigned status, const std::string& body) {
-  return fmt::format(R"({{"status":{},"body":{}}})", status, body);
+  return Json{{"status", status}, {"body", body}}.text();
 }
 
 std::string refusal_text(unsigned status, const std::string& error, const std::string& hint) {
-  return reply_text(status, nlohmann::json{{"error", error}, {"hint", hint}}.dump());
+  return reply_text(status, Json{{"error", error}, {"hint", hint}}.text());
 }
 
 }  // namespace

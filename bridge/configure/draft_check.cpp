@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "config/files/file_reader.hpp"
-#include "core/base/json.hpp"
 #include "core/schedule/bus_plan.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
@@ -15,7 +13,6 @@ namespace fieldcast::configure {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr std::size_t kMostWorst = 10, kMostInfeasible = 100;  // channels of a bus
 
@@ -54,28 +51,23 @@ std::vector<ChannelGap> gaps_of(const BusPlan& plan) {
   return rows;
 }
 
-json plan_json(const BusPlan& plan) {
-  json worst = json::array(), infeasible = json::array();
-  for (const ChannelGap& row : gaps_of(plan)) {
-    if (worst.size() < kMostWorst)
-      worst.push_back({{"channel", row.channel},
-                       {"refresh_ms", milliseconds(row.refresh)},
-                       {"gap_ms", milliseconds(row.gap)}});
+Json plan_json(const BusPlan& plan) {
+  const std::vector<ChannelGap> gaps = gaps_of(plan);  // the worst first
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(gaps.size(), kMostWorst); ++i)
+    worst.push_back({{"channel", gaps[i].channel},
+                     {"refresh_ms", milliseconds(gaps[i].refresh)},
+                     {"gap_ms", milliseconds(gaps[i].gap)}});
+  std::vector<std::string> infeasible;
+  for (const ChannelGap& row : gaps) {
     if (row.gap > row.refresh && infeasible.size() < kMostInfeasible)
       infeasible.push_back(row.channel);
   }
   const Prediction& prediction = plan.prediction;
-  return {{"bus", plan.bus->name},
-          {"load", prediction.planned_load},
-          {"feasible", prediction.feasible},
-          {"worst", std::move(worst)},
-          {"infeasible", std::move(infeasible)},
-          {"remedies", advice(plan)}};
+  return {{"bus", plan.bus->name},           {"load", prediction.planned_load},
+          {"feasible", prediction.feasible}, {"worst", worst},
+          {"infeasible", infeasible},        {"remedies", advice(plan)}};
 }
-
-}  // namespace
-
-namespace {
 
 using Allowed = std::function<bool(const std::string& path)>;
 
@@ -130,8 +122,12 @@ Draft load_draft(std::string_view text, const std::string& file, const std::set<
   return draft;
 }
 
-json faults_json(const std::vector<config::Fault>& faults) {
-  json list = json::array();
+Json fault_json(const std::string& file, const std::string& message, const std::string& hint) {
+  return {{"file", file}, {"line", 1}, {"column", 1}, {"message", message}, {"hint", hint}};
+}
+
+Json faults_json(const std::vector<config::Fault>& faults) {
+  Json list = Json::array();
   for (const config::Fault& fault : faults) {
     std::string hint = fault.allowed.empty() ? "" : "allowed: " + fault.allowed;
     if (!fault.suggestion.empty())
@@ -140,13 +136,13 @@ json faults_json(const std::vector<config::Fault>& faults) {
                     {"line", fault.line},
                     {"column", fault.column},
                     {"message", fault.what},
-                    {"hint", std::move(hint)}});
+                    {"hint", hint}});
   }
   return list;
 }
 
-json plans_json(const BridgeSpec& spec) {
-  json list = json::array();
+Json plans_json(const BridgeSpec& spec) {
+  Json list = Json::array();
   for (const BusSpec& bus : spec.buses)
     list.push_back(plan_json(make_plan(bus, kAssumedResponseTime)));
   return list;

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "config/loader/loader.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast::configure {
 
@@ -30,16 +30,18 @@ struct Draft {
 
 enum class Hopeless : std::uint8_t { kRefuse, kAccept };  // buses that cannot carry their channels
 // Only files in the folder of `file`, in those of the library, and `also` are read: a draft must
-// not
-// open others of this machine.
+// not open others of this machine.
 [[nodiscard]] Draft load_draft(std::string_view text, const std::string& file,
                                const std::set<std::string>& also, Hopeless hopeless);
 
 // [{"file", "line", "column", "message", "hint"}]
-[[nodiscard]] nlohmann::json faults_json(const std::vector<config::Fault>& faults);
+[[nodiscard]] Json faults_json(const std::vector<config::Fault>& faults);
+// One fault at the begin of the file.
+[[nodiscard]] Json fault_json(const std::string& file, const std::string& message,
+                              const std::string& hint);
 
 // [{"bus", "load", "feasible", "worst": [{"channel", "refresh_ms", "gap_ms"}], "infeasible":
 // [channel], "remedies": [text]}]; seconds for thousands of channels.
-[[nodiscard]] nlohmann::json plans_json(const BridgeSpec& spec);
+[[nodiscard]] Json plans_json(const BridgeSpec& spec);
 
 }  // namespace fieldcast::configure

@@ -11,13 +11,14 @@
 #include <nlohmann/json.hpp>
 
 #include "bridge/security/file_access.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast::configure {
 
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Tree = nlohmann::json;
 
 constexpr std::string_view kList = "versions.json", kWatch = "watch.json";
 
@@ -27,16 +28,16 @@ bool exists(const std::string& path) {
 }
 
 // Invalid or missing content is an empty value: versions must not prevent a change.
-json json_of(const std::string& path) {
+Tree tree_of(const std::string& path) {
   if (!exists(path)) return {};
-  return json::parse(security::read_file(path), nullptr, false);
+  return Tree::parse(security::read_file(path), nullptr, false);
 }
 
 template <class T>
-T value_in(const json& object, const char* name, T missing) {
+T value_in(const Tree& object, const char* name, T missing) {
   try {
     return object.value(name, missing);
-  } catch (const json::exception&) { return missing; }
+  } catch (const Tree::exception&) { return missing; }
 }
 
 }  // namespace
@@ -55,9 +56,9 @@ VersionFolder::VersionFolder(const std::string& file) : file_(file) {
   const fs::path whole = fs::canonical(file, failure);
   if (!failure) file_ = whole.string();
   folder_ = file_ + ".versions";
-  const json list = json_of(path(kList));
+  const Tree list = tree_of(path(kList));
   if (!list.is_array()) return;
-  for (const json& row : list) {
+  for (const Tree& row : list) {
     if (!row.is_object()) continue;
     rows_.push_back({value_in<std::string>(row, "version", ""),
                      value_in<std::string>(row, "who", ""), value_in<std::string>(row, "why", ""),
@@ -110,15 +111,14 @@ void VersionFolder::set_state(const std::string& version, std::string state) {
 }
 
 void VersionFolder::write_list() {
-  json list = json::array();
+  Json list = Json::array();
   for (const VersionRow& row : rows_)
     list.push_back({{"version", row.version},
                     {"who", row.who},
                     {"why", row.why},
                     {"at", row.at.nanoseconds},
                     {"state", row.state}});
-  security::replace(path(kList), list.dump(1, ' ', false, json::error_handler_t::replace),
-                    security::kOwnerOnly);
+  security::replace(path(kList), list.text(), security::kOwnerOnly);
 }
 
 void VersionFolder::replace(const std::string& text) {
@@ -129,7 +129,7 @@ void VersionFolder::replace(const std::string& text) {
 }
 
 std::optional<Watch> VersionFolder::stored_watch() const {
-  const json stored = json_of(path(kWatch));
+  const Tree stored = tree_of(path(kWatch));
   if (!stored.is_object()) return std::nullopt;
   Watch watch;
   watch.version = value_in<std::string>(stored, "version", "");
@@ -146,12 +146,12 @@ void VersionFolder::store_watch(const std::optional<Watch>& watch) {
     return;
   }
   make_folder();
-  const json stored{{"version", watch->version},
+  const Json stored{{"version", watch->version},
                     {"base", watch->base},
                     {"who", watch->who},
                     {"restarts", watch->restarts},
                     {"good", watch->good}};
-  security::replace(path(kWatch), stored.dump(), security::kOwnerOnly);
+  security::replace(path(kWatch), stored.text(), security::kOwnerOnly);
 }
 
 }  // namespace fieldcast::configure

@@ -10,20 +10,12 @@
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/dds/transport/domain.hpp"
-#include "bridge/station/block_subscription.hpp"
-#include "bridge/station/bus_table.hpp"
-#include "bridge/station/clock_offsets.hpp"
-#include "bridge/station/command_client.hpp"
-#include "bridge/station/configuration_client.hpp"
-#include "bridge/station/history_client.hpp"
-#include "bridge/station/subscription.hpp"
+#include "bridge/station/station_site.hpp"
 #include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 
 namespace {
-
-constexpr char kAfterSite = ':';  // not allowed in names of sites and buses
 
 // Makes a handler and its `gone` handler run one at a time across sites.
 template <class Handler, class Gone>
@@ -61,82 +53,6 @@ Station::OnGone at_site(const std::string& prefix, const Station::OnGone& gone) 
 }
 
 }  // namespace
-
-struct Station::Site {
-  Site(const DdsSite& site, StationIdentity& identity)
-      : name(site.name),
-        prefix(name.empty() ? "" : name + kAfterSite),
-        station(identity),
-        domain(site.dds, station.name, nullptr) {}
-
-  [[nodiscard]] bool may_write(const char* topic) const {
-    const auto& member = domain.member();
-    const security::TopicRight* right = security::right_of(topic);
-    return !member || (right != nullptr && right->writers.has(member->role));
-  }
-  [[nodiscard]] bool may_command() const { return may_write(kCommandTopic.name); }
-  [[nodiscard]] bool may_declare_interest() const { return may_write(kInterestTopic.name); }
-
-  // Created at the first command: a read-only station has no writers.
-  CommandClient& client() {
-    const std::lock_guard lock(mutex);
-    if (!commands) commands = std::make_unique<CommandClient>(domain, station);
-    return *commands;
-  }
-  BlockSubscription& by_blocks() {
-    const std::lock_guard lock(mutex);
-    if (!blocks) blocks = std::make_unique<BlockSubscription>(domain, station.short_name);
-    return *blocks;
-  }
-  HistoryClient& stored() {
-    const std::lock_guard lock(mutex);
-    if (!history) history = std::make_unique<HistoryClient>(domain, station.requester);
-    return *history;
-  }
-  ConfigurationClient& configuration() {
-    const std::lock_guard lock(mutex);
-    if (!configurations)
-      configurations = std::make_unique<ConfigurationClient>(domain, station.requester);
-    return *configurations;
-  }
-  template <class Generated, class Type = TopicType<Generated>>
-  void subscribe(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
-                 typename Subscription<Generated, Type>::Handlers handlers) {
-    auto made =
-        std::make_shared<Subscription<Generated, Type>>(domain, topic, qos, std::move(handlers));
-    const std::lock_guard lock(mutex);
-    FIELDCAST_CHECK(subscriptions.emplace(topic.name, std::move(made)).second);
-  }
-  // Without a refresh: withdraws the interest.
-  void write_interest(const std::string& pattern, std::optional<Duration> refresh) {
-    if (interests == nullptr && refresh)
-      interests = domain.writer(kInterestTopic, station.short_name);
-    if (interests == nullptr) return;
-    idl::Interest interest;
-    interest.station() = station.short_name;
-    interest.pattern() = pattern;
-    if (!refresh) {
-      interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
-      return;
-    }
-    interest.refresh(refresh->count());
-    interests->write(&interest);
-  }
-
-  const std::string name;    // empty: the only one
-  const std::string prefix;  // "north:"; empty: none
-  StationIdentity& station;
-  Domain domain;
-  ClockOffsets clocks;   // used by the subscription to BusStatus
-  PlanParts plan_parts;  // used by the subscription to ReadPlan
-  dds::DataWriter* interests = nullptr;
-  std::mutex mutex;                                            // protects the members below
-  std::map<std::string, std::shared_ptr<void>> subscriptions;  // by topic
-  std::unique_ptr<BlockSubscription> blocks;
-  std::unique_ptr<CommandClient> commands;
-  std::unique_ptr<HistoryClient> history;
-  std::unique_ptr<ConfigurationClient> configurations;
-};
 
 struct Station::State {
   explicit State(const std::string& name) : identity(name) {}
@@ -449,7 +365,16 @@ tl::expected<HistoryResponse, StationFault> Station::history(HistoryRequest requ
   for (const auto& site : state_->sites) {
     if (!request.bus.starts_with(site->prefix)) continue;
     request.bus.erase(0, site->prefix.size());
-    return site->stored().request(std::move(request), wait);
+    HistoryParts parts(request);
+    return site->stored().request(
+        std::move(parts), wait,
+        [&](const std::string& requester, std::uint64_t id, const auto& write) {
+          request.requester = requester;
+          request.request_id = id;
+          idl::HistoryRequest message;
+          to_idl(request, message);
+          write(message);
+        });
   }
   return tl::unexpected(StationFault::kNoSite);
 }
@@ -464,8 +389,11 @@ tl::expected<std::string, StationFault> Station::configuration(const std::string
     return tl::unexpected(StationFault::kNotSent);
   for (const auto& site : state_->sites) {
     if (!bridge.starts_with(site->prefix)) continue;
-    return site->configuration().request(bridge.substr(site->prefix.size()), std::move(request),
-                                         wait);
+    return site->configuration().request(
+        {}, wait, [&](const std::string& requester, std::uint64_t id, const auto& write) {
+          to_parts<idl::ConfigurationRequest>(
+              {requester, id, bridge.substr(site->prefix.size()), std::move(request)}, write);
+        });
   }
   return tl::unexpected(StationFault::kNoSite);
 }

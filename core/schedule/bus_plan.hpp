@@ -1,6 +1,5 @@
-// The plan of one bus: the load of its channels, the prediction of the scheduler, and ways to
-// make it
-// feasible. Pure.
+// The plan of one bus: the load of its channels, the prediction of the scheduler, and ways to make
+// it feasible. Pure.
 #pragma once
 
 #include <memory>

@@ -63,7 +63,7 @@ class Demo(unittest.TestCase):
         self.assertRegex(line, r"^The page of the plant: http://127\.0\.0\.1:\d+/$")
         address = line.split()[-1]
         with urllib.request.urlopen(address + "api/me", timeout=10) as answer:
-            self.assertEqual(json.load(answer)["role"], "operator")
+            self.assertEqual(json.load(answer)["role"], "engineer")
         good = 0
         while good < 50 and process.poll() is None:
             time.sleep(0.2)

@@ -114,11 +114,7 @@ JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
 # Constant texts: JSON schemas, and hints that show a client the correct request.
 JSON_BY_HAND_IN = {
     "tools/station/settings/configuration.cpp", "tools/station/api/commands.cpp",
-    "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
-    # Pass on trees of the JSON library: messages about configurations.
-    "bridge/configure/configuration_agent.cpp", "bridge/configure/configuration_service.cpp", "bridge/configure/version_folder.cpp",
-    "tools/station/api/configuration.cpp", "tools/station/api/configuration_import.cpp",
-    "tools/station/settings/notify_rows.cpp",
+    "tools/station/settings/notify_rows.cpp", "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
 }
 
 

@@ -4,8 +4,7 @@
 // usage: bench_sites SERVER SITES DEVICES CHANNELS SECONDS
 //
 // SERVER: nats://127.0.0.1:PORT. DEVICES of each site, CHANNELS of each device. Creates the
-// streams,
-// publishes all catalogues, then samples. Prints "catalogues" and "N messages in S s".
+// streams, publishes all catalogues, then samples. Prints "catalogues" and "N messages in S s".
 #include <fmt/format.h>
 
 #include <chrono>

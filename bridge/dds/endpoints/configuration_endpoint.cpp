@@ -1,6 +1,5 @@
 #include "bridge/dds/endpoints/configuration_endpoint.hpp"
 
-#include <thread>
 #include <utility>
 
 namespace fieldcast {
@@ -43,12 +42,14 @@ void ConfigurationEndpoint::take(const idl::ConfigurationRequest& part,
 
 void ConfigurationEndpoint::respond(const ConfigurationMessage& reply) {
   to_parts<idl::ConfigurationReply>(reply, [this](idl::ConfigurationReply& part) {
+    if (pace_.is_closed()) return;
     writer_->write(&part);
-    if (!part.last()) std::this_thread::sleep_for(kPace);
+    if (!part.last()) pace_.rest();
   });
 }
 
 void ConfigurationEndpoint::close() {
+  pace_.close();
   if (reader_ != nullptr) domain_.remove(std::exchange(reader_, nullptr));
 }
 

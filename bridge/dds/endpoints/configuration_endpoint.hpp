@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "bridge/dds/endpoints/part_pace.hpp"
 #include "bridge/dds/receivers/request_receiver.hpp"
 #include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/topics/configuration_message.hpp"
@@ -14,8 +15,6 @@ namespace fieldcast {
 
 class ConfigurationEndpoint {
  public:
-  // After each part: sockets of readers on this machine hold only a few.
-  static constexpr Duration kPace = std::chrono::microseconds{500};
   // Requests that are received at the same time, each from a writer of its own.
   static constexpr std::size_t kMaxIncomplete = 4;
 
@@ -27,9 +26,10 @@ class ConfigurationEndpoint {
   ConfigurationEndpoint(const ConfigurationEndpoint&) = delete;
   ConfigurationEndpoint& operator=(const ConfigurationEndpoint&) = delete;
 
-  // Waits between parts. One thread at a time.
+  // Waits between parts; returns early, without the rest, when close() is called. One thread at a
+  // time.
   void respond(const ConfigurationMessage& reply);
-  void close();  // nothing is received after it returns
+  void close();  // any thread; nothing is received after it returns
 
  private:
   struct Incomplete {
@@ -46,6 +46,7 @@ class ConfigurationEndpoint {
   Taker<idl::ConfigurationRequest> taker_;
   dds::DataWriter* writer_ = nullptr;
   dds::DataReader* reader_ = nullptr;
+  PartPace pace_;
 };
 
 }  // namespace fieldcast

@@ -20,26 +20,15 @@ HistoryEndpoint::HistoryEndpoint(Domain& domain, const std::string& label, std::
       reader_(domain.reader(kHistoryRequestTopic, &taker_, dds::StatusMask::data_available())) {}
 
 void HistoryEndpoint::respond(const HistoryRequest& request, const HistoryResponse& response) {
-  to_blocks(request, response, most_bytes_, block_,
-            [this](idl::HistoryBlock& block) { write(block); });
-}
-
-void HistoryEndpoint::write(idl::HistoryBlock& block) {
-  std::unique_lock lock(mutex_);
-  if (is_closed_) return;
-  lock.unlock();
-  writer_->write(&block);
-  if (block.last()) return;
-  lock.lock();
-  closed_.wait_for(lock, kPace, [this] { return is_closed_; });
+  to_blocks(request, response, most_bytes_, block_, [this](idl::HistoryBlock& block) {
+    if (pace_.is_closed()) return;
+    writer_->write(&block);
+    if (!block.last()) pace_.rest();
+  });
 }
 
 void HistoryEndpoint::close() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_closed_ = true;
-  }
-  closed_.notify_all();
+  pace_.close();
   if (reader_ != nullptr) domain_.remove(std::exchange(reader_, nullptr));
 }
 

@@ -1,6 +1,5 @@
-// ConfigurationRequest and ConfigurationReply: one JSON text in parts. Data from DDS is not
-// trusted:
-// texts beyond the limit and parts out of order are rejected. Pure.
+// ConfigurationRequest and ConfigurationReply: one JSON text in parts. Texts beyond the limit and
+// parts out of order are rejected, because data from DDS is not trusted. Pure.
 #pragma once
 
 #include <cstdint>

@@ -43,7 +43,7 @@ inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL s
 
 inline constexpr std::int32_t kHistoryRequestsKept = 16;  // not yet taken by a bridge
 inline constexpr std::int32_t kHistoryBlocksKept = 256;   // a response has at most 128
-// Parts of a request or a reply, of which none has more than half of them.
+// Parts of requests or replies. One request or reply has at most half as many.
 inline constexpr std::int32_t kConfigurationPartsKept = 1024;
 inline constexpr std::int32_t kMaxStandbyMembers = 256;  // in the domain
 inline constexpr std::int32_t kStandbyNotesKept = 4096;

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "config/keys/documents.hpp"
+#include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
@@ -14,8 +16,6 @@
 namespace fieldcast::web {
 
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kMaxBridgeBytes = 128;  // of a bridge with its site
 
@@ -28,33 +28,36 @@ HttpResponse response_of(const tl::expected<std::string, StationFault>& replied)
                           "is the bridge running, and does its file have 'configure: { allow: true "
                           "}' and its identity the right (fieldcast secure renew)?");
   }
-  const Json parsed = Json::parse(*replied, nullptr, false);
+  const auto parsed = nlohmann::json::parse(*replied, nullptr, false);
   const bool is_reply = parsed.is_object() && parsed.contains("status") &&
-                        parsed["status"].is_number_unsigned() && parsed.contains("body");
+                        parsed["status"].is_number_unsigned() && parsed.contains("body") &&
+                        parsed["body"].is_string();
   const unsigned status = is_reply ? parsed["status"].get<unsigned>() : 0;
-  if (status < 200 || status > 599)
+  std::string body = is_reply ? parsed["body"].get<std::string>() : std::string{};
+  if (status < 200 || status > 599 || !nlohmann::json::accept(body))
     return error_response(502, "the bridge sent no valid reply", "is it older than the station?");
-  HttpResponse response =
-      json_response(parsed["body"].dump(-1, ' ', false, Json::error_handler_t::replace));
+  HttpResponse response = json_response(std::move(body));
   response.status = status;
   return response;
 }
 
-void send(const Api& api, const std::string& operation, Json request, const Caller& caller,
+using Texts = std::map<std::string, std::string>;
+
+// `members` of the request, with the bridge.
+void send(const Api& api, const std::string& operation, Texts members, const Caller& caller,
           const Reply& reply) {
-  const auto bridge = text_in(request, "bridge", kMaxBridgeBytes);
-  if (!bridge)
+  const std::string bridge = members["bridge"];
+  if (bridge.empty() || bridge.size() > kMaxBridgeBytes)
     return reply(error_response(400, "bridge is missing", "GET /api/bridges lists the bridges"));
-  request.erase("bridge");
-  request["operation"] = operation;
-  request["who"] = caller.user;
+  members.erase("bridge");
+  members["operation"] = operation;
+  members["who"] = caller.user;
   const bool sent = api.configurations->send(
-      *bridge, request.dump(-1, ' ', false, Json::error_handler_t::replace),
-      [reply, bridge = *bridge, operation](const ConfigurationRequests::Replied& replied) {
+      bridge, Json(members).text(),
+      [reply, bridge, operation](const ConfigurationRequests::Replied& replied) {
         HttpResponse response = response_of(replied);
-        if (operation == "read" && response.status == 200)
-          response.body =
-              fmt::format("{{\"bridge\":{},{}", Json(bridge).dump(), response.body.substr(1));
+        if (operation == "read" && response.body.starts_with('{') && response.status == 200)
+          response.body = json_joined(JsonObject().add("bridge", bridge).take(), response.body);
         reply(std::move(response));
       });
   if (!sent) reply(error_response(503, "too many requests wait for bridges", "try again later"));
@@ -65,6 +68,7 @@ void send_body(const Api& api, const char* operation, std::initializer_list<cons
                const HttpRequest& request, const Caller& caller, const Reply& reply) {
   auto body = body_of(request);
   if (!body) return reply(std::move(body.error()));
+  Texts given;
   for (const auto& [name, value] : body->items()) {
     const bool is_known =
         std::ranges::any_of(members, [&](const char* member) { return name == member; });
@@ -72,15 +76,16 @@ void send_body(const Api& api, const char* operation, std::initializer_list<cons
       return reply(error_response(
           400, fmt::format("'{}' is unknown here, or not a text", printable(name, 80)),
           fmt::format("texts: {}", fmt::join(members, ", "))));
+    given[name] = value.get<std::string>();
   }
-  send(api, operation, *std::move(body), caller, reply);
+  send(api, operation, std::move(given), caller, reply);
 }
 
 void send_query(const Api& api, const char* operation,
                 std::initializer_list<std::string_view> names, const HttpRequest& request,
                 const Caller& caller, const Reply& reply) {
   if (auto fault = Parameters(request, names).fault()) return reply(*std::move(fault));
-  Json query = Json::object();
+  Texts query;
   for (const std::string_view name : names)
     query[std::string(name)] = request.parameter(name).value_or("");
   send(api, operation, std::move(query), caller, reply);
@@ -132,14 +137,16 @@ void show_configuration_schema(const Api&, const HttpRequest& request, const Cal
 void show_device_templates(const Api&, const HttpRequest& request, const Caller&,
                            const Reply& reply) {
   if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-  Json list = Json::array();
-  for (const DeviceTemplate& each : device_templates())
-    list.push_back({{"name", each.name},
-                    {"maker", each.maker},
-                    {"model", each.model},
-                    {"protocol", each.protocol},
-                    {"text", each.text}});
-  reply(json_response(list.dump(-1, ' ', false, Json::error_handler_t::replace),
+  reply(json_response(json_array(device_templates(),
+                                 [](std::string& out, const DeviceTemplate& each) {
+                                   out += JsonObject()
+                                              .add("name", each.name)
+                                              .add("maker", each.maker)
+                                              .add("model", each.model)
+                                              .add("protocol", each.protocol)
+                                              .add("text", each.text)
+                                              .take();
+                                 }),
                       request.accepts_gzip));
 }
 

@@ -1,4 +1,4 @@
-// Who is notified of which alarms, and how. Plain values.
+// Rules and targets of notifications about alarms. Plain values.
 #pragma once
 
 #include <cstdint>

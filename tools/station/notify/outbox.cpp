@@ -14,13 +14,13 @@ bool Outbox::attempt(const std::function<void(NotificationTable&)>& action) {
     action(table);
     waiting_ = table.waiting();
     transaction.commit();
-    told_.clear();
+    logged_.clear();
     return true;
   } catch (const StoreError& error) {
     connection_.reset();
-    if (told_ != error.what()) {
-      told_ = error.what();
-      log_error("notify", told_);
+    if (logged_ != error.what()) {
+      logged_ = error.what();
+      log_error("notify", logged_);
     }
     return false;
   }

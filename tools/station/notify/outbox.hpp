@@ -63,7 +63,7 @@ class Outbox {
   std::mutex mutex_;
   std::unique_ptr<SqlConnection> connection_;
   std::vector<Sent> unsaved_;
-  std::string told_;  // the last failure; it is logged once
+  std::string logged_;  // the last failure; each is logged once
   std::atomic<std::uint64_t> generation_{0}, waiting_{0}, sent_{0}, failed_{0}, lost_{0};
 };
 

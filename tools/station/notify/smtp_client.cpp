@@ -22,9 +22,8 @@ std::size_t on_read(char* buffer, std::size_t size, std::size_t count, void* clo
 }
 
 // When the handle is freed, libcurl sends QUIT and waits up to two minutes for the response,
-// whatever
-// the limits of the transfer are. With a closed socket it does not wait; the server still receives
-// QUIT after a success.
+// whatever the limits of the transfer are. With a closed socket it does not wait; the server still
+// receives QUIT after a success.
 void do_not_wait_for_quit(CURL* curl, bool success) {
   curl_socket_t socket = CURL_SOCKET_BAD;
   curl_easy_getinfo(curl, CURLINFO_ACTIVESOCKET, &socket);

@@ -33,8 +33,7 @@ class SiteRegistry {
   static constexpr Duration kHeardPeriod = std::chrono::seconds{5};
 
   // Names of sites that this station reads from DDS: the stream must not change them. Call it
-  // before
-  // all others.
+  // before all others.
   void reserve(std::set<std::string> names) { reserved_ = std::move(names); }
   [[nodiscard]] bool is_reserved(const std::string& site) const { return reserved_.contains(site); }
 

@@ -34,7 +34,8 @@ class ConfigurationApi : public testing::Test {
     return ask(handler, std::move(request));
   }
 
-  ConfigurationRequests::Replied reply_ = std::string(R"({"status":200,"body":{"version":"1"}})");
+  ConfigurationRequests::Replied reply_ =
+      std::string(R"({"status":200,"body":"{\"version\":\"1\"}"})");
   Body sent_;
   boost::asio::io_context io_;
   ConfigurationRequests requests_{io_,
@@ -70,12 +71,20 @@ TEST_F(ConfigurationApi, AClientCannotChooseTheUserOrTheOperation) {
 }
 
 TEST_F(ConfigurationApi, TheStatusOfTheBridgeIsThatOfTheResponse) {
-  reply_ = std::string(R"({"status":409,"body":{"error":"e","hint":"h"}})");
+  reply_ = std::string(R"({"status":409,"body":"{\"error\":\"e\",\"hint\":\"h\"}"})");
   EXPECT_EQ(post(check_configuration, {{"bridge", "b"}, {"text", ""}}).status, 409u);
 }
 
+TEST_F(ConfigurationApi, AConfigurationNamesItsBridge) {
+  const HttpResponse response =
+      ask(show_configuration, test::request_of("/api/configuration?bridge=north:b"));
+  EXPECT_EQ(Body::parse(response.body), Body({{"bridge", "north:b"}, {"version", "1"}}));
+}
+
 TEST_F(ConfigurationApi, AnInvalidReplyIsNotPassedOn) {
-  for (const char* reply : {"", "[]", R"({"status":"200","body":1})", R"({"status":7,"body":1})"}) {
+  for (const char* reply :
+       {"", "[]", R"({"status":"200","body":"1"})", R"({"status":7,"body":"1"})",
+        R"({"status":200,"body":1})", R"({"status":200,"body":"{"})", R"({"status":200})"}) {
     reply_ = std::string(reply);
     EXPECT_EQ(post(check_configuration, {{"bridge", "b"}, {"text", ""}}).status, 502u) << reply;
   }

@@ -12,7 +12,7 @@ import type { Node } from './yaml_tree';
 
 const mostFaults = 100;
 
-export const toldOf = ({ message, hint }: Fault): string => [message, hint].filter(Boolean).join('; ');
+export const sentenceOf = ({ message, hint }: Fault): string => [message, hint].filter(Boolean).join('; ');
 
 export function faultsByKey(faults: readonly Fault[], text: string, tree: Node | undefined): Map<string, string> {
   const found = new Map<string, string>();
@@ -20,13 +20,13 @@ export function faultsByKey(faults: readonly Fault[], text: string, tree: Node |
   const lines = text.split('\n');
   for (const fault of faults.slice(0, mostFaults)) {
     const begin = lines.slice(0, fault.line - 1).reduce((sum, each) => sum + each.length + 1, 0);
-    found.set(keyOf(pathAt(text, tree, begin + Math.max(0, fault.column - 1))), toldOf(fault));
+    found.set(keyOf(pathAt(text, tree, begin + Math.max(0, fault.column - 1))), sentenceOf(fault));
   }
   return found;
 }
 
 export interface Faults {
-  trouble: string;  // of the request
+  failure: string;  // of the request
   checking: boolean;
   faults: readonly Fault[];
   lost: readonly Protected[];  // protected lines that the draft has changed
@@ -35,10 +35,10 @@ export interface Faults {
   undo(): void;
 }
 
-export function faultList({ trouble, checking, faults, lost, inText, show, undo }: Faults): TemplateResult {
-  const told = trouble || (checking ? t('configuration.checking') :
+export function faultList({ failure, checking, faults, lost, inText, show, undo }: Faults): TemplateResult {
+  const summary = failure || (checking ? t('configuration.checking') :
     faults.length === 0 ? t('configuration.no-faults') : faults.length === 1 ? t('configuration.fault') : t('configuration.faults', { n: faults.length }));
-  return html`<section class="faults"><p role="status">${badge(trouble || faults.length ? 'bad' : checking ? 'unknown' : 'good', told)}</p>
+  return html`<section class="faults"><p role="status">${badge(failure || faults.length ? 'bad' : checking ? 'unknown' : 'good', summary)}</p>
     ${lost.length ? html`<p class="bad">▲ ${lost.map(({ line, why }) => t('configuration.protected', { line, why })).join(' ')}
       <button type="button" @click=${undo}>${t('configuration.undo')}</button></p>` : nothing}
     ${faults.length ? html`<ul>${faults.slice(0, mostFaults).map((fault) => {

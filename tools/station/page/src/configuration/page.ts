@@ -19,7 +19,7 @@ import { Draft, ordered, protectedLines, withoutCr } from './draft';
 import type { ProtectedLines } from './draft';
 import { Editor } from './editor';
 import type { LineMark } from './editor';
-import { faultList, faultsByKey, toldOf } from './fault_list';
+import { faultList, faultsByKey, sentenceOf } from './fault_list';
 import { formFields, keyOf } from './form';
 import type { Form } from './form';
 import { countChanges } from './line_diff';
@@ -195,7 +195,7 @@ export class ConfigurationPage implements Page {
   private faults(): Fault[] { return (this.checked?.faults ?? []).filter((fault) => this.inText(fault)); }
 
   private mark(): void {
-    const faults = this.faults().map<LineMark>((fault) => ({ line: fault.line, column: fault.column, kind: 'fault', text: toldOf(fault) }));
+    const faults = this.faults().map<LineMark>((fault) => ({ line: fault.line, column: fault.column, kind: 'fault', text: sentenceOf(fault) }));
     const hidden = this.editor.text.split('\n').flatMap<LineMark>((line, index) => (printable(line) === line ? [] :
       [{ line: index + 1, column: 0, kind: 'hidden', text: `${t('configuration.hidden')} ${line}` }]));
     this.editor.mark([...faults, ...hidden, ...[...this.lines.kept].map<LineMark>(([line, why]) =>
@@ -319,7 +319,7 @@ export class ConfigurationPage implements Page {
         <button type="button" class="primary" ?disabled=${!may} @click=${() => void this.deploy()}>${t('configuration.deploy')}</button></div>
       <div class="edit-pair">${this.editor.element}
         <section class="card side" data-scroll tabindex="0" role="region" aria-label=${t('configuration.object')}>${this.adding?.view() ?? this.formPart(draft)}</section></div>
-      ${faultList({ trouble: this.fault, checking: !!this.checking || !checked, faults: checked?.faults ?? [], lost: this.lines.lost,
+      ${faultList({ failure: this.fault, checking: !!this.checking || !checked, faults: checked?.faults ?? [], lost: this.lines.lost,
         inText: (fault) => this.inText(fault), show: ({ line, column }) => this.editor.selectPlace(line, column), undo: () => this.step('undo') })}
       <section><h2>${t('configuration.plan')}</h2>${planView(checked)}</section>
       ${draft.base.files.length ? html`<section><h2>${t('configuration.files')}</h2>${draft.base.files.map(({ name, text }) =>
