@@ -1,13 +1,13 @@
-// The panel that adds a device: bus, then a template, a file or a scan; first values; into the draft.
+// The panel that adds a device to the draft: bus, then a template or a file.
 
 import { nothing } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { bytes } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
-import { badge, errorText } from '../view';
+import { errorText } from '../view';
 import * as api from './api';
-import type { FirstValue, Found, Imported, Template } from './api';
+import type { Imported, Template } from './api';
 import { deviceText, importedDevices, matching, speaks } from './new_device';
 import type { ImportedDevice } from './new_device';
 import { freeAddress, freeName, namesAt } from './outline';
@@ -15,15 +15,14 @@ import { valueAt } from './yaml_tree';
 import type { Node, Path } from './yaml_tree';
 
 export interface Host {
-  bridge: string;
   tree(): Node | undefined;
   draw(): void;
   add(path: Path, items: readonly ImportedDevice[]): void;  // into the list of devices at a path
   cancel(): void;
 }
 
-type Source = 'template' | 'file' | 'scan';
-const sources: readonly Source[] = ['template', 'file', 'scan'];
+type Source = 'template' | 'file';
+const sources: readonly Source[] = ['template', 'file'];
 const mostTemplates = 30, mostRows = 200;
 const largestFile = 3_000_000;
 
@@ -36,11 +35,7 @@ export class AddDevice {
   private address = '';
   private imported: Imported | undefined;
   private fileName = '';
-  private found: readonly Found[] | undefined;
-  private values: readonly FirstValue[] | undefined;
   private running = '';  // text of the request in flight
-  private scanning = false;
-  private startedAt = 0;
   private fault = '';
 
   constructor(private readonly host: Host, private bus: number) {
@@ -48,13 +43,11 @@ export class AddDevice {
   }
 
   private get busPath(): Path { return ['buses', this.bus]; }
-  private get busName(): string { return namesAt(this.host.tree(), ['buses'])?.[this.bus] ?? ''; }
   private get protocol(): string { return valueAt(this.host.tree(), [...this.busPath, 'protocol']) ?? ''; }
 
   // Runs one request at a time; shows its fault.
   private async run(text: string, action: () => Promise<void>): Promise<void> {
     this.running = text;
-    this.startedAt = performance.now();
     this.fault = '';
     this.host.draw();
     try {
@@ -63,20 +56,18 @@ export class AddDevice {
       this.fault = errorText(error);
     }
     this.running = '';
-    this.scanning = false;
     this.host.draw();
   }
 
-  private propose(name: string, address: string): void {
+  private propose(name: string): void {
     const tree = this.host.tree();
     this.name = freeName(name, namesAt(tree, [...this.busPath, 'devices']) ?? []);
-    this.address = address || freeAddress(tree, this.busPath);
-    this.values = undefined;
+    this.address = freeAddress(tree, this.busPath);
   }
 
-  private chooseTemplate(template: string, address = ''): void {
+  private chooseTemplate(template: string): void {
     this.template = template;
-    this.propose(template, address);
+    this.propose(template);
     this.host.draw();
   }
 
@@ -91,11 +82,6 @@ export class AddDevice {
     if (items.length) this.host.add([...this.busPath, 'devices'], items);
   };
 
-  private probe(): void {
-    const [item] = this.items();
-    if (item) void this.run(t('configuration.probing'), async () => { this.values = await api.probe(this.host.bridge, this.busName, item.text); });
-  }
-
   private async readFile(file: File | undefined): Promise<void> {
     if (!file) return;
     if (file.size > largestFile) {
@@ -108,7 +94,7 @@ export class AddDevice {
       for (let at = 0; at < content.length; at += 8192) binary += String.fromCharCode(...content.subarray(at, at + 8192));
       this.imported = await api.importFile(file.name, btoa(binary));
       this.fileName = file.name;
-      this.propose(file.name.replace(/\.\w+$/, '').replace(/[^\w.-]+/g, '-').slice(0, 64) || 'device', '');
+      this.propose(file.name.replace(/\.\w+$/, '').replace(/[^\w.-]+/g, '-').slice(0, 64) || 'device');
     });
   }
 
@@ -116,8 +102,7 @@ export class AddDevice {
     const buses = namesAt(this.host.tree(), ['buses']) ?? [];
     const choose = (event: Event): void => {
       this.bus = Number((event.target as HTMLSelectElement).value);
-      this.found = this.values = undefined;
-      if (this.template) this.propose(this.template, '');
+      if (this.template) this.propose(this.template);
       this.host.draw();
     };
     const items = this.items();
@@ -131,13 +116,11 @@ export class AddDevice {
           this.fault = '';
           this.host.draw();
         }}>${t(`configuration.by-${source}`)}</button>`)}</div>
-      ${this.source === 'template' ? this.templateList() : this.source === 'file' ? this.filePart() : this.scanPart()}
+      ${this.source === 'template' ? this.templateList() : this.filePart()}
       <p role="status" class="muted">${this.running}</p>
       ${this.fault ? html`<p role="alert" class="bad">▲ ${this.fault}</p>` : nothing}
       ${this.source !== 'file' ? this.identity() : nothing}
-      ${this.values ? this.firstValues(this.values) : nothing}
       <div class="buttons"><button type="button" class="plain" @click=${() => this.host.cancel()}>${t('cancel')}</button>
-        <button type="button" ?disabled=${items.length !== 1 || !!this.running} @click=${() => this.probe()}>${t('configuration.probe')}</button>
         <button type="submit" class="primary" ?disabled=${!items.length}>${t('configuration.add')}</button></div></form>`;
   }
 
@@ -177,41 +160,12 @@ export class AddDevice {
         ${imported.moved.length ? table(t('configuration.moved'), [t('configuration.from'), t('configuration.to'), t('configuration.change')], imported.moved.map(({ from, to, change }) => [from, to, change])) : nothing}` : nothing}`;
   }
 
-  private scanPart(): TemplateResult {
-    const start = (): void => {
-      this.scanning = true;
-      void this.run(t('configuration.scanning', { s: 0 }), async () => { this.found = await api.scan(this.host.bridge, this.busName); });
-    };
-    return html`<button type="button" ?disabled=${!!this.running} @click=${start}>${t('configuration.scan')}</button>
-      ${this.found ? html`<ul class="picks" data-scroll aria-label=${t('configuration.scan-found')}>${this.found.flatMap(({ address, description, protocol, templates }) =>
-        (templates.length ? templates : ['']).map((template) => html`<li><button type="button" aria-pressed=${template === this.template && address === this.address}
-          @click=${() => this.chooseTemplate(template, address)}><b>${address}</b> ${description || protocol} <span class="muted">${template}</span></button></li>`))}</ul>
-        ${this.found.length ? nothing : html`<p>${t('configuration.scan-none')}</p>`}` : nothing}`;
-  }
-
-  // Each second while a request is in flight.
-  tick(): void {
-    if (this.scanning) this.running = t('configuration.scanning', { s: Math.round((performance.now() - this.startedAt) / 1000) });
-  }
-
   private identity(): TemplateResult {
     const type = (take: (value: string) => void) => (event: Event): void => {
       take((event.target as HTMLInputElement).value.trim());
-      this.values = undefined;
       this.host.draw();
     };
     return html`<div class="pair"><label>${t('configuration.name')} <input required maxlength="64" pattern="[\\w.\\-]{1,64}" .value=${this.name} @input=${type((value) => { this.name = value; })}></label>
       <label>${t('configuration.address')} <input required maxlength="64" .value=${this.address} @input=${type((value) => { this.address = value; })}></label></div>`;
-  }
-
-  private firstValues(values: readonly FirstValue[]): TemplateResult {
-    return html`<h3>${t('configuration.first-values')}</h3>
-      <div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('configuration.first-values')}><table class="plain">
-        <thead><tr><th scope="col">${t('configuration.channel')}</th><th scope="col" class="number">${t('configuration.value')}</th><th scope="col">${t('configuration.state')}</th></tr></thead>
-        <tbody>${values.slice(0, mostRows).map(({ channel, value, quality, error }) => {
-          const good = quality.toLowerCase() === 'good';
-          return html`<tr><td>${channel}</td><td class="number">${value === null || value === undefined ? '–' : String(value)}</td>
-            <td>${badge(good ? 'good' : 'bad', error || (good ? t('quality.good') : quality))}</td></tr>`;
-        })}</tbody></table></div>`;
   }
 }

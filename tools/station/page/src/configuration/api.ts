@@ -70,20 +70,6 @@ export interface Imported {
   notes: string[];
 }
 
-export interface Found {
-  address: string;
-  protocol: string;
-  description: string;
-  templates: string[];
-}
-
-export interface FirstValue {
-  channel: string;
-  value: unknown;
-  quality: string;
-  error: string;
-}
-
 const root = '/api/configuration';
 
 export const read = (bridge: string): Promise<Configuration> => request(query(root, { bridge }));
@@ -99,6 +85,3 @@ export const versions = (bridge: string): Promise<Version[]> => request(query(`$
 export const versionText = async (bridge: string, version: string): Promise<string> =>
   (await request<{ text: string }>(query(`${root}/version`, { bridge, version }))).text;
 export const importFile = (name: string, content_base64: string): Promise<Imported> => request(`${root}/import`, { name, content_base64 });
-export const scan = async (bridge: string, bus: string): Promise<Found[]> => (await request<{ found: Found[] }>(`${root}/scan`, { bridge, bus })).found;
-export const probe = async (bridge: string, bus: string, device: string): Promise<FirstValue[]> =>
-  (await request<{ values: FirstValue[] }>(`${root}/probe`, { bridge, bus, device })).values;

@@ -91,7 +91,6 @@ export class ConfigurationPage implements Page {
     if (!this.draft && !this.fault && !this.bridge && change.topics.has('bridges') && this.context.plant.bridges.size)
       return this.context.go(link('configuration', [[...this.context.plant.bridges.keys()].sort()[0]!]));
     if (!change.second) return;
-    this.adding?.tick();
     this.watching.tick();
     if (this.watching.running || this.adding) this.draw();
   }
@@ -329,7 +328,7 @@ export class ConfigurationPage implements Page {
   private startAdding(): void {
     const bus = this.chosen[0] === 'buses' ? Number(this.chosen[1]) : 0;
     this.adding = new AddDevice({
-      bridge: this.bridge, tree: () => this.tree, draw: () => this.draw(), add: (path, items) => this.add(path, items),
+      tree: () => this.tree, draw: () => this.draw(), add: (path, items) => this.add(path, items),
       cancel: () => {
         this.adding = undefined;
         this.draw();
