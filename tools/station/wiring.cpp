@@ -100,7 +100,7 @@ UserWatch::~UserWatch() = default;
 
 void UserWatch::look() {
   if (!ask_) return;
-  ask_([this, alive = std::weak_ptr(alive_)](Users users) {
+  ask_([this, alive = std::weak_ptr(alive_)](const Users& users) {
     if (!alive.expired()) on_users(users);
   });
 }

@@ -64,14 +64,14 @@ void send(const Api& api, const std::string& operation, Texts members, const Cal
 }
 
 // A body with exactly these members, all of them texts.
-void send_body(const Api& api, const char* operation, std::initializer_list<const char*> members,
-               const HttpRequest& request, const Caller& caller, const Reply& reply) {
+void send_body(const Api& api, const char* operation,
+               std::initializer_list<std::string_view> members, const HttpRequest& request,
+               const Caller& caller, const Reply& reply) {
   auto body = body_of(request);
   if (!body) return reply(std::move(body.error()));
   Texts given;
   for (const auto& [name, value] : body->items()) {
-    const bool is_known =
-        std::ranges::any_of(members, [&](const char* member) { return name == member; });
+    const bool is_known = std::ranges::find(members, std::string_view(name)) != members.end();
     if (!is_known || !value.is_string())
       return reply(error_response(
           400, fmt::format("'{}' is unknown here, or not a text", printable(name, 80)),

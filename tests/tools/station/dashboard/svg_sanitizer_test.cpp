@@ -54,8 +54,7 @@ TEST(SvgSanitizer, NothingThatRunsOrLoadsIsKept) {
       "<script>alert(1)</script>",
       "<script href='data:text/javascript,alert(1)'/>",
       "<style>@import url(http://evil)</style>",
-      "<foreignObject><body "
-      "xmlns='http://www.w3.org/1999/xhtml'><script>1</script></body></foreignObject>",
+      "<foreignObject><body xmlns='http://www.w3.org/1999/xhtml'><script/></body></foreignObject>",
       "<image href='http://evil/x.png'/>",
       "<image href='data:image/svg+xml;base64,PHN2Zy8+'/>",
       "<use href='http://evil/x.svg#a'/>",

@@ -35,10 +35,10 @@ void Database::put(Task task) {
   ++waiting_;
   if (worker_.queue().try_put(task)) return;
   --waiting_;
-  refuse(std::move(task));
+  refuse(task);
 }
 
-void Database::refuse(Task task) {
+void Database::refuse(const Task& task) {
   ++busy_;
   task.refuse(DatabaseFault::kBusy);
 }
@@ -59,7 +59,7 @@ void Database::respond(Responder read, Reply reply) {
 
 void Database::respond_changing(Responder change, Reply reply) {
   Task task = task_of<HttpResponse>(std::move(change), replying(std::move(reply)), true);
-  if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
+  if (waiting_.load() >= kMaxWaiting) return refuse(task);
   put(std::move(task));
 }
 

@@ -41,7 +41,7 @@ class Database {
   template <class Result>
   void query(std::function<Result(SqlConnection&)> read, Done<Result> done) {
     Task task = task_of(std::move(read), std::move(done), false);
-    if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
+    if (waiting_.load() >= kMaxWaiting) return refuse(task);
     put(std::move(task));
   }
   // Follow-up query; never fails with kBusy. REQUIRES: at most one for each server connection.
@@ -81,7 +81,7 @@ class Database {
             changes};
   }
   void put(Task task);
-  void refuse(Task task);
+  void refuse(const Task& task);
   void run(BoundedQueue<Task>& queue);
   void serve(Task task);
   void fail(Task& task, DatabaseFault fault, const char* reason);
