@@ -21,7 +21,7 @@ buses:
   - name: fast
     port: { serial: {run}/fast, baud: 115200, format: 8N1 }
     protocol: modbus-rtu
-    defaults: { refresh: 500ms }
+    defaults: { refresh: 500ms, timeout: 1s }
     devices:
       - name: press
         address: 1
@@ -41,6 +41,7 @@ buses:
   - name: slow
     port: { serial: {run}/slow, baud: 9600, format: 8E1 }
     protocol: modbus-ascii
+    defaults: { timeout: 1s }
     devices:
       - name: meter
         address: 7
