@@ -56,15 +56,20 @@ def network_commands(options, seconds, seed):
     return [script("network_campaign.py") + ["--seconds", str(seconds), "--seed", str(seed), "--bin", options.bin]]
 
 
+def history_commands(options, seconds, seed):
+    return [script("history_campaign.py") + ["--seconds", str(seconds), "--seed", str(seed), "--bin", options.bin]]
+
+
 def endurance_commands(options, seconds, seed):
     return [script("endurance_campaign.py") + ["--seconds", str(seconds), "--seed", str(seed), "--bin", options.bin,
                                                "--shim", os.path.join(options.bin, "..", "lib", "libfault_shim.so")]]
 
 
 PARTS = [
-    Part("virtual", 0.25, "days of plants with every protocol, in virtual time", virtual_commands),
-    Part("fuzz", 0.25, "any bytes into whatever reads bytes or texts", fuzz_commands),
+    Part("virtual", 0.20, "days of plants with every protocol, in virtual time", virtual_commands),
+    Part("fuzz", 0.20, "any bytes into whatever reads bytes or texts", fuzz_commands),
     Part("system", 0.20, "the bridge on a machine whose disk, clock, descriptors and memory fail", system_commands, grace=480),
+    Part("history", 0.10, "every sample and command of a bridge that is killed, against what was on the wire", history_commands, grace=300),
     Part("network", 0.20, "bridges and stations of two vendors on a network that loses, doubles, reorders and partitions",
          network_commands, grace=300),
     Part("endurance", 0.10, "one plant for long: memory, descriptors and threads stay flat; 72 hours in virtual time", endurance_commands,
