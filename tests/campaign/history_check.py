@@ -38,7 +38,6 @@ import yaml
 NEAR = 250_000_000  # nanoseconds
 FIELDS = ["frame.time_epoch", "frame.interface_name", "frame.packet_flags", "exported_pdu.exported_pdu"]
 READS, WRITE_ONE, WRITE_MANY = {3: "holding", 4: "input-register"}, 6, 16
-COVERED = 600_000_000  # nanoseconds; a bus is not quiet for longer, and a restart lasts longer
 LATE = 5_000_000_000  # nanoseconds, within which a device may respond to an earlier request
 FORMATS = {"uint16": ">H", "int16": ">h", "uint32": ">I", "int32": ">i", "float32": ">f", "uint64": ">Q", "int64": ">q", "float64": ">d"}
 
@@ -82,13 +81,17 @@ class WireLog:
         self.add_rows(row.split(";") for row in done.stdout.splitlines())
 
     def add_rows(self, rows):
-        pending = collections.defaultdict(list)  # of a device: (nanoseconds, frame) of requests without a response
-        for frame in itertools.chain.from_iterable(frames_of(row, self.protocols.get(row[1])) for row in rows):
-            self.heard[frame.bus].append(frame.at)
+        """Adds the rows of one capture."""
+        pending = collections.defaultdict(list)  # of a device: requests without a response
+        heard = {}
+        for frame in itertools.chain.from_iterable(frames_of(row, self.protocols.get(row[1])) for row in joined(rows)):
+            heard[frame.bus] = (min(frame.at, heard.get(frame.bus, (frame.at,))[0]), frame.at)
             if frame.is_request:
                 self._request(pending[frame.bus, frame.unit], frame)
             else:
                 self._response(pending[frame.bus, frame.unit], frame)
+        for bus, (first, last) in heard.items():
+            self.heard[bus].append((first, last))
 
     def _request(self, pending, frame):
         pending[:] = [each for each in pending if frame.at - each.at < LATE] + [frame]
@@ -116,24 +119,38 @@ class WireLog:
                 log[name].append(Write(frame.at, struct.unpack_from(channel.format, data, begin)[0] * channel.scale))
 
     def sort(self):
-        for log in (self.read, self.written, self.heard):
+        for log in (self.read, self.written):
             for entries in log.values():
                 entries.sort()
 
-    def covers(self, bus, at):
-        """Returns whether something was captured soon after `at`; a killed bridge loses its last frames."""
-        following = bisect.bisect_left(self.heard[bus], at)
-        return following < len(self.heard[bus]) and self.heard[bus][following] < at + COVERED
+    def covers(self, bus, begin, end):
+        """Returns whether one capture has this time; a killed bridge loses its last frames."""
+        return any(first <= begin and end <= last for first, last in self.heard[bus])
+
+
+def joined(rows):
+    """Yields the rows; one that was received has what was received before it since the last request, as a response may come in pieces."""
+    before = {}
+    for time, bus, flags, text in rows:
+        text = text.replace(":", "")
+        yield time, bus, flags, text
+        is_request = bool(flags) and int(flags, 16) & 3 == 2
+        if before.get(bus) and not is_request:
+            yield time, bus, flags, before[bus] + text
+        before[bus] = "" if is_request else before.get(bus, "") + text
 
 
 def frames_of(row, protocol):
     """Yields the Modbus frames in a row of FIELDS; foreign characters may precede or follow them."""
     time, bus, flags, text = row
-    data = bytes.fromhex(text.replace(":", "")) if text else b""
+    data = bytes.fromhex(text)
     seconds, _, fraction = time.partition(".")
     at, is_request = int(seconds) * 10**9 + int(fraction.ljust(9, "0")[:9]), bool(flags) and int(flags, 16) & 3 == 2
-    if protocol == "modbus-tcp" and len(data) >= 8:
-        yield Frame(at, bus, is_request, data[6], int.from_bytes(data[:2], "big"), data[7:])
+    if protocol == "modbus-tcp":
+        while len(data) > 7:
+            end = 6 + int.from_bytes(data[4:6], "big")
+            yield Frame(at, bus, is_request, data[6], int.from_bytes(data[:2], "big"), data[7:end])
+            data = data[max(end, 7):]
     elif protocol == "modbus-rtu":
         begin = 0
         while begin < len(data):
@@ -203,7 +220,7 @@ class Checker:
         if name not in self.channels:
             self.counts["not_compared"] += 1
             return
-        if not self.wire.covers(self.channels[name].bus, at + 1):
+        if not self.wire.covers(self.channels[name].bus, at - 1000, at - 1000):  # captures have microseconds
             self.counts["not_captured"] += 1
             return
         reads = self.wire.read[name]
@@ -219,6 +236,9 @@ class Checker:
             self.counts["commands"] += 1
             if results is not None and len(results) != 1:
                 self.fail("one-result", f"{name} = {value}: {len(results)} results")
+            if not self.wire.covers(self.channels[name].bus, command["invoked_at"], command["returned_at"]):
+                self.counts["commands_not_captured"] += 1
+                continue
             writes = [write for write in self.wire.written[name] if same(write.value, value)]
             state = results[0]["state"] if results else "unknown"
             self.counts["commands_" + state.replace(" ", "_")] += 1

@@ -47,6 +47,15 @@ def sample(at, value, sequence, quality="GOOD", channel="power"):
             "sequence": sequence}
 
 
+# So that the capture has the time of the commands.
+AROUND = [*read(START - SECOND, 1), *read(START + 5 * SECOND, 2)]
+
+
+
+def around(rows):
+    return [*AROUND[:2], *rows, *AROUND[2:]]
+
+
 def command(value, invoked, returned, *states):
     return {"channel": POWER, "value": value, "invoked_at": invoked, "returned_at": returned, "results": [{"state": state} for state in states]}
 
@@ -85,6 +94,12 @@ class Samples(unittest.TestCase):
     def test_a_response_behind_foreign_characters_is(self):
         self.assertEqual(broken([*read(START, 7, before=b"\x01\x93\x00"), *read(START + SECOND // 2, 8)], [sample(START, 7, 1)])[0], [])
 
+    def test_a_response_in_two_pieces_is(self):
+        whole = read(START, 7)
+        half = len(whole[1][3]) // 4 * 2
+        pieces = [whole[0], [*whole[1][:3], whole[1][3][:half]], [*whole[1][:3], whole[1][3][half:]]]
+        self.assertEqual(broken([*pieces, *read(START + SECOND // 2, 8)], [sample(START, 7, 1)])[0], [])
+
     def test_frames_that_a_killed_bridge_lost(self):
         found, counts = broken(self.ROWS, [sample(START + 2 * SECOND, 10, 1)])
         self.assertEqual((found, counts["not_captured"]), ([], 1))
@@ -118,35 +133,39 @@ class Commands(unittest.TestCase):
         rows = [*write(START, 100), *read(START + SECOND // 2, 100), *write(self.LATER, 200)]
         commands = [command(100, START - 1, START + SECOND // 5, "done"), command(200, self.LATER - 1, self.LATER + SECOND, "done"),
                     command(300, START, self.LATER, "expired")]
-        self.assertEqual(broken(rows, commands=commands)[0], [])
+        self.assertEqual(broken(around(rows), commands=commands)[0], [])
 
     def test_no_result_and_two(self):
         self.assertEqual(broken([], commands=[command(100, START, self.LATER), command(200, START, self.LATER, "expired", "expired")])[0],
                          ["one-result", "one-result"])
 
     def test_a_caller_that_was_killed_has_none(self):
-        self.assertEqual(broken(write(START, 100), commands=[{**command(100, START, self.LATER), "results": None}])[0], [])
+        self.assertEqual(broken(around(write(START, 100)), commands=[{**command(100, START, self.LATER), "results": None}])[0], [])
 
     def test_done_but_never_written(self):
-        self.assertEqual(broken(read(START, 1), commands=[command(100, START, self.LATER, "done")])[0], ["done-was-written"])
+        self.assertEqual(broken(AROUND, commands=[command(100, START, self.LATER, "done")])[0], ["done-was-written"])
 
     def test_done_before_it_was_written(self):
-        self.assertEqual(broken(write(self.LATER, 100), commands=[command(100, START, START + 10, "done")])[0], ["done-was-written"])
+        self.assertEqual(broken(around(write(self.LATER, 100)), commands=[command(100, START, START + 10, "done")])[0], ["done-was-written"])
 
     def test_expired_or_rejected_but_written(self):
         for state in ("expired", "rejected"):
-            self.assertEqual(broken(write(START + 5, 100), commands=[command(100, START, self.LATER, state)])[0], ["not-written"])
+            self.assertEqual(broken(around(write(START + 5, 100)), commands=[command(100, START, self.LATER, state)])[0], ["not-written"])
 
     def test_a_write_that_is_repeated_blindly(self):
         commands = [command(100, START - 1, self.LATER, "done")]
         again = write(START + SECOND // 2, 100)
-        self.assertEqual(broken([*write(START, 100), *again], commands=commands)[0], ["written-again"])
-        self.assertEqual(broken([*write(START, 100), *read(START + SECOND // 4, 99), *again], commands=commands)[0], [])
+        self.assertEqual(broken(around([*write(START, 100), *again]), commands=commands)[0], ["written-again"])
+        self.assertEqual(broken(around([*write(START, 100), *read(START + SECOND // 4, 99), *again]), commands=commands)[0], [])
+
+    def test_a_command_beyond_the_capture_is_counted(self):
+        found, counts = broken(read(START, 1), commands=[command(100, START, self.LATER, "done")])
+        self.assertEqual((found, counts["commands_not_captured"]), ([], 1))
 
     def test_a_command_that_overtook_an_earlier_one(self):
         rows = [*write(START + 10, 200), *write(self.LATER, 100)]
         commands = [command(100, START - 20, START - 10, "done"), command(200, START, START + SECOND // 2, "done")]
-        self.assertEqual(broken(rows, commands=commands)[0], ["done-was-written"])
+        self.assertEqual(broken(around(rows), commands=commands)[0], ["done-was-written"])
 
 
 if __name__ == "__main__":
