@@ -198,7 +198,9 @@ class Campaign:
             kind, site, _, _ = map(name_of, message.subject.split("."))
             self.check_batch(checkers[site], Batch(message.data), catalogues, site, kind == "fieldcast-late")
         windows = {site.name: self.expected_windows(site) for site in self.sites}
-        return {name: checker.result(windows[name]) for name, checker in checkers.items()}, count, size
+        refills = {site.name: [window for window in self.windows[site] if self.options.backfill and window.reason == NOT_RUNNING]
+                   for site in self.sites}
+        return {name: checker.result(windows[name], refills[name]) for name, checker in checkers.items()}, count, size
 
     def expected_windows(self, site):
         return [window for window in self.windows[site] if not (self.options.backfill and window.reason == NOT_RUNNING)]
@@ -247,7 +249,8 @@ class Campaign:
         excused = {reason: sum(result.excused[reason] for result in total) for reason in (STARTING, NOT_RUNNING, BRIDGE_ENDED)}
         print(f"all: {sum(result.published for result in total)} published, {sum(result.arrived for result in total)} arrived "
               f"({sum(result.late for result in total)} late), {sum(result.duplicates for result in total)} duplicates removed, "
-              f"{sum(len(result.missing) for result in total)} missing, {sum(len(result.reordered) for result in total)} out of order")
+              f"{sum(len(result.missing) for result in total)} missing, {sum(len(result.reordered) for result in total)} out of order, "
+              f"{sum(result.refilled for result in total)} fetched late behind newer late ones")
         print("excused: " + ", ".join(f"{number} while {reason}" for reason, number in excused.items()))
         if options.stores:
             print(f"stores of the bridges: {sum(result.stored for result in total)} samples, {sum(len(result.not_stored) for result in total)} arrived "

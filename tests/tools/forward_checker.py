@@ -7,6 +7,7 @@
 
 Rules: every published sample arrives; a repeated one, by channel, epoch and sequence, is counted and removed; within the live and
 within the late samples of a channel, epoch and sequence ascend; nothing arrives that was not published, or with another time or value.
+Late samples from a time in which the forwarder did not run are fetched afterwards: they may follow newer late ones, and are counted.
 With the store of a bridge: it has every sample that arrived, each once, and nothing that was not published.
 """
 
@@ -33,7 +34,7 @@ class Window:
 
 class Result:
     def __init__(self):
-        self.published = self.arrived = self.duplicates = self.late = self.stored = 0
+        self.published = self.arrived = self.duplicates = self.late = self.stored = self.refilled = 0
         self.not_stored, self.stored_wrong = [], []  # arrived, but not in the store; in the store, but twice or not as published
         self.missing, self.reordered, self.unknown, self.scattered = [], [], [], []
         self.excused = collections.Counter()  # missing samples by the reason of their window
@@ -52,6 +53,7 @@ class Checker:
         self.seen = {}  # (channel, epoch): a byte for each sequence
         self.kept = {}  # the same for the store of the bridge; empty: it has none
         self.last = {}  # (channel, late): the greatest (epoch, sequence) so far
+        self.late_reordered = set()  # those of Result.reordered that were late
         self.gathered = Result()
 
     def publish(self, channel, epoch, times):
@@ -77,6 +79,8 @@ class Checker:
                 result.late += late
                 if (epoch, sequence) < last:
                     result.reordered.append((channel, epoch, sequence))
+                    if late:
+                        self.late_reordered.add((channel, epoch, sequence))
                 else:
                     last = (epoch, sequence)
         self.last[channel, late] = last
@@ -100,9 +104,13 @@ class Checker:
         """The value of this sample in the store is not the published one."""
         self.gathered.stored_wrong.append((channel, epoch, sequence))
 
-    def result(self, windows):
-        """The result so far; missing samples within `windows` are counted apart."""
+    def result(self, windows, refills=()):
+        """The result so far; missing samples within `windows` are counted apart, and late ones that were fetched for `refills`."""
         result = self.gathered
+        refilled = {place for place in self.late_reordered
+                    if any(window.begin <= self.times[place[:2]][place[2] - 1] <= window.end for window in refills)}
+        result.refilled += len(refilled)
+        result.reordered = [place for place in result.reordered if place not in refilled]
         result.published = sum(len(times) for times in self.times.values())
         ordered = sorted(windows, key=lambda window: window.begin)
         gaps = collections.Counter()

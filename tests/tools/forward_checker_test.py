@@ -36,6 +36,16 @@ class Streams(unittest.TestCase):
         result = checked(([1, 2, 3], False), ([2, 3, 4, 5], False))
         self.assertEqual((result.arrived, result.duplicates, result.violations()), (5, 2, []))
 
+    def test_late_samples_of_a_refilled_gap_may_follow_newer_late_ones(self):
+        refill = Window(150, 250, "the forwarder did not run")
+        for late, expected in ((True, ([], 1)), (False, ([("a", 7, 2)], 0))):
+            checker = Checker()
+            checker.publish("a", 7, [100, 200, 300, 400])
+            for sequence in (1, 3, 4, 2):
+                checker.arrive("a", 7, [sequence], [100 * sequence], late)
+            result = checker.result([], [refill])
+            self.assertEqual((result.reordered, result.refilled), expected)
+
     def test_a_reordered_sample_is_reported(self):
         result = checked(([1, 3, 2, 4, 5], False))
         self.assertEqual(result.reordered, [("a", 7, 2)])

@@ -186,8 +186,9 @@ class NatsClient:
 
     def pages(self, stream, size=500):
         """Yields the messages of a stream in its order, `size` at a time: for streams that do not fit in the server's buffer of a client."""
+        # By default the server removes a consumer that asks for nothing for 5 s, as one on a busy machine may.
         made = self.request(f"$JS.API.CONSUMER.CREATE.{stream}", {"stream_name": stream, "config": {
-            "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant"}})
+            "deliver_policy": "all", "ack_policy": "none", "replay_policy": "instant", "inactive_threshold": 600_000_000_000}})
         inbox = f"_INBOX.{os.getpid()}.{time.monotonic_ns()}"
         self.subscribe(inbox)
         left = made["num_pending"]
