@@ -102,6 +102,7 @@ void Forwarder::start() {
        .catalogue = [this](std::uint64_t identity) { return queue_.catalogue(identity); },
        .in_flight = spec_.send.in_flight,
        .wake = [this] { sender_.wake(); },
+       .count_connection = [this] { return queue_.count_up("outlet connections"); },
        .on_command = commands_ ? std::function([this](CentreRequest request) {
          commands_->on_request(std::move(request));
        })
