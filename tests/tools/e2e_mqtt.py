@@ -151,10 +151,10 @@ class Plain(MqttCase):
 
 
 class Sparkplug(MqttCase):
-    def start(self, more=""):
+    def start(self, more="", commands=""):
         broker = self.broker()
         consumer = self.consumer(broker, "spBv1.0/#")
-        forwarder = self.forwarder(f"sparkplug: {{ servers: [mqtt://127.0.0.1:{broker.port}], group: plants{more} }}")
+        forwarder = self.forwarder(f"sparkplug: {{ servers: [mqtt://127.0.0.1:{broker.port}], group: plants{more} }}\n{commands}")
         forwarder.start()
         return broker, consumer, forwarder
 
@@ -197,19 +197,56 @@ class Sparkplug(MqttCase):
         self.assertEqual((host.faults, host.bd_seq), ([], 0))
         self.assertIsNotNone(host.births["line:press.1"]["temperature"].value, "the last value is known")
         broker.publish("spBv1.0/plants/DCMD/north/line:press.1", b"\x08\x01")
-        wait_until(lambda: "DCMD/north/line:press.1: refused" in forwarder.log(), 20, self.explained(forwarder, broker))
+        wait_until(lambda: "DCMD/north/line:press.1: MQTT does not name the user" in forwarder.log(), 20, self.explained(forwarder, broker))
         # Death by the will, and in order
         forwarder.kill()
         host = self.wait_for(lambda host: not host.online, consumer, forwarder, broker)
         self.assertEqual(self.kinds(host)[-1], "NDEATH")
         forwarder.start()
         samples = len(host.samples)
-        self.wait_for(lambda host: host.online and len(host.samples) > samples + 10, consumer, forwarder, broker)
+        host = self.wait_for(lambda host: host.online and len(host.samples) > samples + 10, consumer, forwarder, broker)
+        self.assertEqual(host.bd_seq, 1, "the number of the connection continues after a restart")
         self.assertEqual(forwarder.stop(), 0, forwarder.log())
         host = self.wait_for(lambda host: not host.online, consumer, forwarder, broker)
         self.assertEqual(host.faults, [])
         self.assertEqual(self.kinds(host).count("NDEATH"), 2, self.explained(forwarder, broker)())
         self.decode_again(consumer)
+
+    def test_a_host_writes_a_channel_if_commands_are_allowed(self):
+        broker, consumer, forwarder = self.start(commands='commands: { user: scada, allow: [{ user: scada, channels: ["line/*/setpoint"] }] }\n')
+        host = self.wait_for(lambda host: len(host.births) == 2 and len(host.samples) > 10, consumer, forwarder, broker)
+        press = host.births["line:press.1"]
+        self.assertFalse(press["setpoint"].properties["readOnly"])
+        self.assertTrue(press["temperature"].properties["readOnly"])
+        topic = "spBv1.0/plants/DCMD/north/line:press.1"
+
+        def command(value, at_ms=None):
+            return sparkplug.device_command(press["setpoint"].alias, value, int(at_ms or time.time() * 1000))
+
+        def wait_for_value(value):
+            self.wait_for(lambda host: any(sample.name == "setpoint" and sample.value == value for sample in host.samples), consumer, forwarder, broker)
+
+        def wait_for_log(text):
+            wait_until(lambda: text in forwarder.log(), 20, self.explained(forwarder, broker))
+        first = command(-42)
+        broker.publish(topic, first)
+        wait_for_value(-42)
+        if NODE and os.path.isdir(os.path.join(NODE_MODULES, "sparkplug-payload")):
+            encoded = subprocess.run([NODE, os.path.join(SOURCE_DIR, "tests/tools/forward/sparkplug-decoder/encode.mjs"), NODE_MODULES], check=True, capture_output=True,
+                                     input=json.dumps({"timestamp": int(time.time() * 1000), "metrics": [{"name": "setpoint", "type": "Int16", "value": 43}]}).encode())
+            broker.publish(topic, encoded.stdout)
+        else:
+            broker.publish(topic, command(43))
+        wait_for_value(43)
+        # A repeated message is not run again, an old one and one without a right are refused.
+        broker.publish(topic, first)
+        broker.publish(topic, command(44, (time.time() - 60) * 1000))
+        wait_for_log("the command is older than the birth of the device")
+        broker.publish("spBv1.0/plants/DCMD/north/line:mill", sparkplug.device_command(host.births["line:mill"]["level"].alias, 1, int(time.time() * 1000)))
+        wait_for_log("user 'scada' has no right to write line/mill/level at this site")
+        watched = plant.cli("watch", "line/press.1/setpoint", "--once", "--json").json_lines()
+        self.assertEqual([sample["value"] for sample in watched if "value" in sample][-1:], [43])
+        self.assertEqual(self.host(consumer).faults, [])
 
     def decode_again(self, consumer):
         """The package of Eclipse Tahu decodes the same."""

@@ -5,6 +5,7 @@ usage: e2e_stream.py BIN_DIR
 """
 
 import ctypes
+import json
 import os
 import re
 import signal
@@ -58,7 +59,7 @@ class OtherDomain(Folder):
 
 
 class Site:
-    def __init__(self, name, port, payload):
+    def __init__(self, name, port, payload, more=""):
         self.name = name
         self.plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
         self.file = os.path.join(self.plant.run, "forward.yaml")
@@ -73,7 +74,7 @@ jetstream:
   servers: [nats://127.0.0.1:{port}]
   acknowledgement: 1s
   streams: {{ create: true }}
-""")
+{more}""")
         self.process = None
         self.start()
         unittest.addModuleCleanup(self.stop)
@@ -102,13 +103,14 @@ def setUpModule():
     unittest.addModuleCleanup(server.kill)
     other = OtherDomain(folder)
     unittest.addModuleCleanup(other.claim.close)
-    north = Site("north", server.port, "format: protobuf")
+    north = Site("north", server.port, "format: protobuf",
+                 'commands: { allow: [{ user: local, channels: ["line/*/setpoint", "line/*/temperature"] }] }\n')
     south = Site("south", server.port, "compress: zstd")
 
 
-def station():
+def station(more=""):
     return Station(other, "centre", f"""
-stream: {{ servers: [nats://127.0.0.1:{server.port}] }}
+stream: {{ servers: [nats://127.0.0.1:{server.port}]{more} }}
 web: {{ local-role: operator }}
 store: {{ path: {other.run}/centre.db }}
 record: {{ }}
@@ -243,7 +245,7 @@ class Stream(unittest.TestCase):
                                SECONDS, running.log)
             self.assertTrue(state["connected"])
             self.assertLess(abs(state["clock_ahead_ms"]), 2000)
-            wait_until(lambda: web.get("/api/sites")["stream"] == {"connected": True, "reason": ""}, SECONDS, running.log)
+            wait_until(lambda: web.get("/api/sites")["stream"] == {"connected": True, "reason": "", "commands": False}, SECONDS, running.log)
             self.assertEqual(metric(web, 'site_connected{site="south"}'), 1)
             self.assertGreater(metric(web, "stream_recorded_samples_total"), 0)
             status, text = web.ask("POST", "/api/commands", {"channel": "north:line/press.1/setpoint", "value": 3})
@@ -262,6 +264,59 @@ class Stream(unittest.TestCase):
             self.assertEqual(north.plant.cli("write", "line/press.1/setpoint=7").code, 0)
             events = wait_until(lambda: len(found := web.get("/api/alarms?limit=10")["events"]) >= 2 and found, SECONDS, running.log)
             self.assertEqual({each["event"] for each in events}, {"raised", "cleared"})
+
+    def test_2_commands_reach_a_site_that_allows_them(self):
+        with station(", commands: true") as running:
+            web = Browser(running)
+            wait_until(lambda: all_good(web, "north") and all_good(web, "south") and site_state(web, "north") and site_state(web, "south"),
+                       SECONDS, running.log)
+            self.assertTrue(web.get("/api/sites")["stream"]["commands"])
+
+            def ended(path, body):
+                status, text = web.ask("POST", path, body)
+                self.assertEqual(status, 202, text)
+                of = json.loads(text)["request_id"]
+                return wait_until(lambda: (found := web.get(f"/api/commands/result?request_id={of}")) and found["state"] != "pending" and found,
+                                  SECONDS, running.log)
+
+            def write(channel, value):
+                return ended("/api/commands", {"channel": channel, "value": value, "verify": True})
+            done = write("north:line/press.1/setpoint", 321)
+            self.assertEqual((done["state"], done["value"]), ("verified", 321), done)
+            wait_until(lambda: present(web, "north")["north:line/press.1/setpoint"]["value"] == 321, SECONDS, running.log)
+            refused = write("north:line/press.1/running", True)
+            self.assertEqual((refused["state"], refused["reason"]),
+                             ("rejected", "user 'local' has no right to write line/press.1/running at this site"))
+            refused = write("north:line/press.1/temperature", 1)
+            self.assertEqual((refused["state"], refused["cause"]), ("rejected", "READ_ONLY"), refused)
+            self.assertEqual(write("south:line/press.1/setpoint", 1)["state"], "not-sent")
+
+            def audit():
+                with nats.NatsClient(server.port) as client:
+                    return [content_of(message.data) for message in client.stored("FIELDCAST_AUDIT")]
+            wait_until(lambda: any(b"/local" in entry and b"write 321" in entry for entry in audit()), SECONDS, lambda: str(audit()))
+
+            # An alarm of the site is acknowledged.
+            write("north:line/press.1/setpoint", 32001)
+            alarm = wait_until(lambda: [each for each in web.get("/api/alarms")["alarms"] if each["active"]], SECONDS, running.log)[0]
+            key = {name: alarm[name] for name in ("bus", "device", "channel", "limit")}
+            done = ended("/api/alarms/acknowledge", {"alarms": [key], "note": "seen at the centre"})
+            self.assertEqual(done["state"], "done", done)
+            found = wait_until(lambda: [each for each in web.get("/api/alarms")["alarms"] if each["state"] == "acknowledged"], SECONDS, running.log)[0]
+            self.assertEqual((found["acknowledged_by"], found["note"]), ("local", "seen at the centre"))
+            status, text = web.ask("POST", "/api/alarms/maintenance", {"bus": "north:line", "device": "press.1", "minutes": 5})
+            self.assertEqual(status, 409, text)
+            write("north:line/press.1/setpoint", 7)
+
+            # A forwarder that does not respond: the command was sent, and its result is unknown.
+            north.process.send_signal(signal.SIGSTOP)
+            try:
+                self.assertEqual(write("north:line/press.1/setpoint", 8)["state"], "no-answer")
+            finally:
+                north.process.send_signal(signal.SIGCONT)
+            time.sleep(2)
+            self.assertEqual(north.plant.cli("watch", "line/press.1/setpoint", "--once", "--json").json_lines()[-1].get("value"), 7,
+                             "a command that has expired meanwhile is not run")
 
     def test_3_an_outage_of_the_server_leaves_no_gap(self):
         with station() as running:

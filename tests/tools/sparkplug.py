@@ -166,6 +166,20 @@ class Host:
             self.samples.append(Sample(owner, name, metric.timestamp, metric.value, quality, metric.is_historical))
 
 
+def varint(number):
+    encoded = b""
+    while number > 0x7F:
+        encoded += bytes([number & 0x7F | 0x80])
+        number >>= 7
+    return encoded + bytes([number])
+
+
+def device_command(alias, value, at_ms):
+    """The payload of DCMD that writes a whole number by an alias."""
+    metric = b"\x10" + varint(alias) + b"\x20" + varint(INT32) + b"\x50" + varint(value % 2**32)
+    return b"\x08" + varint(at_ms) + b"\x12" + varint(len(metric)) + metric
+
+
 def rebirth_request():
     """The payload of NCMD with Node Control/Rebirth = true."""
     name = b"Node Control/Rebirth"

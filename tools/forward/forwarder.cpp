@@ -102,6 +102,7 @@ void Forwarder::start() {
        .catalogue = [this](std::uint64_t identity) { return queue_.catalogue(identity); },
        .in_flight = spec_.send.in_flight,
        .wake = [this] { sender_.wake(); },
+       .count_connection = [this] { return queue_.count_up("outlet connections"); },
        .on_command = commands_ ? std::function([this](CentreRequest request) {
          commands_->on_request(std::move(request));
        })
@@ -110,14 +111,26 @@ void Forwarder::start() {
 }
 
 StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifespan) {
-  StationCommand command{.bus = request.channel.bus,
-                         .command = {.device = request.channel.device,
-                                     .target = ChannelTarget{request.channel.channel},
-                                     .values = {request.value},
-                                     .verify = request.verify},
+  constexpr Duration kFinding = std::chrono::seconds{2}, kResult = std::chrono::seconds{3};
+  const ChannelPath& path = request.channel;
+  if (const auto kind = alarm_action_of(request.action))
+    return station_->execute(
+        AlarmAction{.kind = *kind,
+                    .alarm = {path.bus, path.device, path.channel, request.limit},
+                    .by = request.user,
+                    .note = request.note,
+                    .duration = std::chrono::minutes{request.minutes}},
+        kFinding, lifespan + kResult);
+  StationCommand command{.bus = path.bus,
+                         .command = {.device = path.device, .target = ChannelTarget{path.channel}},
                          .lifespan = lifespan,
                          .person = request.user};
-  constexpr Duration kFinding = std::chrono::seconds{2}, kResult = std::chrono::seconds{3};
+  if (request.action == CentreAction::kAcquire) {
+    command.command.operation = Operation::kAcquire;
+  } else {
+    command.command.values = {request.value};
+    command.command.verify = request.verify;
+  }
   return station_->execute(std::move(command), kFinding, kResult);
 }
 

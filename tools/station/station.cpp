@@ -136,6 +136,11 @@ void WebStation::State::join_domain() {
   if (spec.stream)
     stream = std::make_unique<StreamReader>(*spec.stream, spec.name, std::move(names),
                                             domain->inbox(), store.get(), recorder.get(), on_alarm);
+  if (spec.stream && spec.stream_commands)
+    domain->set_stream(
+        stream->allow_commands([this](std::uint64_t id, const StationOutcome& outcome) {
+          domain->commands().on_outcome(id, outcome);
+        }));
   servers_from = steady_now() + kServersReply;
 }
 
@@ -300,6 +305,7 @@ void WebStation::stop() {
   s.logins.reset();
   s.database.reset();
   s.busy = "leaving the stream";
+  if (s.stream) s.io.run([&] { s.domain->commands().close(); });
   s.stream.reset();
   s.busy = "leaving the DDS domain";
   s.io.run([&] {

@@ -47,6 +47,66 @@ TEST(CommandRequest, ARuleDecidesWhoMayWriteWhat) {
   EXPECT_THAT(fault(other, "a b"), HasSubstr("user's name"));
 }
 
+TEST(CommandRequest, ActionsHaveTheirMembers) {
+  auto acquire = request();
+  acquire["action"] = "acquire";
+  EXPECT_THAT(fault(acquire), HasSubstr("member 'value' is unknown"));
+  acquire.erase("value");
+  acquire.erase("verify");
+  EXPECT_EQ(fault(acquire), "");
+  EXPECT_THAT(fault(acquire, "ben"), HasSubstr("no right to acquire"));
+  auto shelve = acquire;
+  shelve["action"] = "shelve";
+  EXPECT_THAT(fault(shelve), HasSubstr("\"limit\" is not"));
+  shelve["limit"] = "high-high";
+  for (const nlohmann::json& minutes :
+       {nlohmann::json(0), nlohmann::json(1441), nlohmann::json(-1), nlohmann::json("5")}) {
+    shelve["minutes"] = minutes;
+    EXPECT_THAT(fault(shelve), HasSubstr("from 1 to 1440")) << minutes;
+  }
+  shelve["minutes"] = 30;
+  EXPECT_EQ(fault(shelve), "");
+  shelve["note"] = std::string(257, 'x');
+  EXPECT_THAT(fault(shelve), HasSubstr("\"note\" is not"));
+  shelve["action"] = "maintenance";
+  EXPECT_THAT(fault(shelve), HasSubstr("\"action\" is not"));
+  shelve["action"] = 7;
+  EXPECT_THAT(fault(shelve), HasSubstr("\"action\" is not"));
+  auto empty = request();
+  empty[""] = 1;
+  EXPECT_THAT(fault(empty), HasSubstr("member '' is unknown"));
+}
+
+TEST(CommandRequest, WhatTheCentreEncodesIsReadAtTheSite) {
+  const ChannelPath path{"line", "press.1", "setpoint"};
+  const UtcTime end{kMoment.nanoseconds + 1};
+  const Value large{std::uint64_t{1} << 63};
+  for (const CommandRequest& sent :
+       {CommandRequest{.channel = path, .value = large, .verify = true},
+        CommandRequest{.channel = path, .value = Value{"a\"b"}},
+        CommandRequest{.action = CentreAction::kAcquire, .channel = path},
+        CommandRequest{.action = CentreAction::kAcknowledge, .channel = path, .note = "seen"},
+        CommandRequest{.action = CentreAction::kShelve,
+        .channel = path,
+        .limit = LimitKind::kLowLow,
+        .minutes = 5},
+        CommandRequest{.action = CentreAction::kUnshelve, .channel = path}}) {
+    CommandRequest full = sent;
+    full.id = "7-1";
+    full.expires_at = end;
+    const auto found = command_request_from(to_json(full), "anna", rules(), kMoment);
+    ASSERT_TRUE(found) << found.error().reason;
+    EXPECT_EQ(found->action, full.action);
+    EXPECT_EQ(found->channel.text(), path.text());
+    EXPECT_EQ(found->value, full.value);
+    EXPECT_EQ(found->verify, full.verify);
+    EXPECT_EQ(found->limit, full.limit);
+    EXPECT_EQ(found->note, full.note);
+    EXPECT_EQ(found->minutes, full.minutes);
+    EXPECT_EQ(found->expires_at, end);
+  }
+}
+
 TEST(CommandRequest, ItsLifeIsBounded) {
   auto old = request();
   old["expires_at"] = kMoment.nanoseconds;
@@ -105,6 +165,29 @@ TEST(CommandResponse, IsJson) {
   EXPECT_EQ(json.at("state"), "verified");
   EXPECT_EQ(json.at("values"), nlohmann::json({21.5}));
   EXPECT_EQ(json.at("completed_at"), kMoment.nanoseconds);
+}
+
+TEST(CommandResponse, IsReadAtTheCentre) {
+  const CommandResponse sent{.id = "8c1f",
+                             .state = "rejected",
+                             .cause = "OUT_OF_RANGE",
+                             .reason = "too\nlarge",
+                             .values = {Value{21.5}, Value{"x"}},
+                             .completed_at = kMoment};
+  const auto found = command_response_from(to_json(sent));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->state, "rejected");
+  EXPECT_EQ(found->cause, "OUT_OF_RANGE");
+  EXPECT_EQ(found->reason, "too\\nlarge");
+  EXPECT_EQ(found->values, sent.values);
+  EXPECT_EQ(found->completed_at, kMoment);
+  for (
+      const char* bad :
+      {"", "[]", "7", R"({"schema":2})", R"({"schema":1,"id":"1"})",
+       R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","completed_at":"x"})",
+       R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","values":[{}],"completed_at":1})"})
+    EXPECT_FALSE(command_response_from(bad)) << bad;
+  EXPECT_FALSE(command_response_from(std::string(20'000, ' ')));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ struct CommandServiceTest : testing::Test {
       return outcome();
     };
   }
-  static CommandSpec spec() { return {{{"anna", {Pattern()}}}}; }
+  static CommandSpec spec() { return {.rules = {{"anna", {Pattern()}}}}; }
   static std::string text(const std::string& id, std::int64_t seconds = 5) {
     return nlohmann::json{{"id", id},
                           {"channel", "line/press/setpoint"},

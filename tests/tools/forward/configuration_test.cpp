@@ -352,5 +352,20 @@ TEST(ForwardDocument, ListsEveryKeyWithItsDefault) {
   }
 }
 
+TEST(ForwardConfiguration, CommandsOfSparkplugHaveOneUser) {
+  const std::string head = "site: n\nqueue: { path: q }\n";
+  const std::string rules = "allow: [{ user: scada, channels: [\"line\"] }] }\n";
+  const auto loaded = load(head + "sparkplug: {}\ncommands: { user: scada, " + rules);
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  EXPECT_EQ(std::get<SparkplugSpec>(loaded->outlet).command_user, "scada");
+  EXPECT_EQ(std::get<SparkplugSpec>(load(head + "sparkplug: {}\n")->outlet).command_user, "");
+  EXPECT_THAT(faults(head + "sparkplug: {}\ncommands: { " + rules),
+              ElementsAre(HasSubstr("'user' is missing")));
+  EXPECT_THAT(faults(head + "commands: { user: scada, " + rules),
+              ElementsAre(HasSubstr("NATS names the user")));
+  EXPECT_THAT(faults(head + "mqtt: {}\ncommands: { " + rules),
+              ElementsAre(HasSubstr("does not carry commands")));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

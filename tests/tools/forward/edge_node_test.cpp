@@ -63,8 +63,8 @@ struct EdgeNodeTest : testing::Test {
 };
 
 TEST_F(EdgeNodeTest, TheWillHasTheNumberOfTheBirthThatFollows) {
-  for (const std::uint64_t number : {0u, 1u}) {
-    const MqttMessage will = node.will(kEdgeNow);
+  for (const auto& [connection, number] : {std::pair{0u, 0u}, {1u, 1u}, {255u, 255u}, {256u, 0u}}) {
+    const MqttMessage will = node.will(connection, kEdgeNow);
     EXPECT_EQ(will.topic, "spBv1.0/fieldcast/NDEATH/north");
     EXPECT_EQ(will.qos, 1);
     const SparkplugPayload death = payload_of(will);
@@ -260,6 +260,97 @@ TEST_F(EdgeNodeTest, NamesInTopicsAreEscaped) {
   EXPECT_EQ(EdgeNode(spec, "north", {}).command_topic(), "spBv1.0/a=2Fb/NCMD/n=2B1");
 }
 
+struct DeviceCommandTest : EdgeNodeTest {
+  void SetUp() override {
+    spec.command_user = "scada";
+    present.channels[0].access = Access::kReadWrite;
+    present.channels[1].type = "int16";
+    present.channels[1].access = Access::kWriteOnly;
+    host.emplace(spec, "north", [this](std::uint64_t) { return encode("north", present); });
+    SampleBatch batch = one(5, 20.5);
+    batch.catalogue = identity_of(present);
+    const auto messages = host->messages(record_of(batch), kEdgeNow);
+    const SparkplugPayload birth = payload_of(messages->at(0));
+    alias = birth.metrics(0).alias();
+    for (int i = 0; i < birth.metrics(0).properties().keys_size(); ++i) {
+      if (birth.metrics(0).properties().keys(i) != "readOnly") continue;
+      EXPECT_FALSE(birth.metrics(0).properties().values(i).boolean_value());
+    }
+    payload.set_timestamp(kEdgeNow.nanoseconds / 1'000'000 + 1);
+  }
+  std::vector<EdgeNode::Write> writes(const std::string& device = "line:press") const {
+    return host->writes(
+        {"spBv1.0/fieldcast/DCMD/north/" + device, payload.SerializeAsString(), 0, false});
+  }
+  std::string fault(const std::string& device = "line:press") const {
+    const auto found = writes(device);
+    return found.size() == 1 && !found[0] ? found[0].error() : "accepted";
+  }
+
+  std::optional<EdgeNode> host;
+  SparkplugPayload payload;
+  std::uint64_t alias = 0;
+};
+
+TEST_F(DeviceCommandTest, IsAWriteOfItsUser) {
+  payload.add_metrics()->set_alias(alias);
+  payload.mutable_metrics(0)->set_float_value(21.5f);
+  payload.add_metrics()->set_name("level");
+  payload.mutable_metrics(1)->set_int_value(static_cast<std::uint32_t>(-3));
+  const auto found = writes();
+  ASSERT_EQ(found.size(), 2u);
+  ASSERT_TRUE(found[0]) << found[0].error();
+  EXPECT_EQ(found[0]->user, "scada");
+  EXPECT_EQ(found[0]->channel.text(), "line/press/temperature");
+  EXPECT_EQ(found[0]->value, Value{21.5});
+  EXPECT_TRUE(found[0]->verify);
+  EXPECT_EQ(found[0]->expires_at.nanoseconds,
+            kEdgeNow.nanoseconds + 1'000'000 + EdgeNode::kCommandLife.count());
+  EXPECT_EQ(found[1]->value, Value{std::int64_t{-3}});
+  EXPECT_FALSE(found[1]->verify) << "it cannot be read";
+  EXPECT_NE(found[0]->id, found[1]->id);
+  EXPECT_EQ(writes()[0]->id, found[0]->id) << "a repeated message";
+  EXPECT_TRUE(
+      command_request_from(to_json(*found[0]), "scada", {{"scada", {Pattern()}}}, kEdgeNow));
+  payload.set_timestamp(payload.timestamp() + 1);
+  EXPECT_NE(writes()[0]->id, found[0]->id);
+}
+
+TEST_F(DeviceCommandTest, WithoutDeviceChannelTimeOrValueIsRefused) {
+  payload.add_metrics()->set_name("temperature");
+  EXPECT_EQ(fault(), "temperature: the value is null or not of the type of the metric");
+  payload.mutable_metrics(0)->set_string_value("21");
+  EXPECT_EQ(fault(), "temperature: the value is null or not of the type of the metric");
+  payload.mutable_metrics(0)->set_float_value(21);
+  EXPECT_EQ(fault(), "accepted");
+  EXPECT_EQ(fault("line:mill"), "no such device is born");
+  payload.set_timestamp(payload.timestamp() - 2);
+  EXPECT_THAT(fault(), testing::HasSubstr("older than the birth"));
+  payload.clear_timestamp();
+  EXPECT_EQ(fault(), "the payload has no timestamp");
+  payload.set_timestamp(kEdgeNow.nanoseconds / 1'000'000 + 1);
+  payload.mutable_metrics(0)->set_name("void");
+  EXPECT_EQ(fault(), "void: the device has no such channel");
+  payload.mutable_metrics(0)->clear_name();
+  payload.mutable_metrics(0)->set_alias(99);
+  EXPECT_EQ(fault(), "alias 99: the device has no such channel");
+  const auto poison = host->writes({"spBv1.0/fieldcast/DCMD/north/line:press", "\xFF", 0, false});
+  EXPECT_EQ(poison.at(0).error(), "the payload cannot be decoded");
+}
+
+TEST(CommandMetric, AnIntegerHasTheSignOfTheType) {
+  CommandMetric metric{.raw = Value{std::uint64_t{0xFFFFFFFE}}};
+  EXPECT_EQ(value_of(metric, MetricType::kInt8), Value{std::int64_t{-2}});
+  EXPECT_EQ(value_of(metric, MetricType::kInt64), Value{std::int64_t{-2}});
+  EXPECT_EQ(value_of(metric, MetricType::kUInt64), Value{std::uint64_t{0xFFFFFFFE}});
+  EXPECT_FALSE(value_of(metric, MetricType::kUInt16));
+  EXPECT_FALSE(value_of(metric, MetricType::kBoolean));
+  metric = {.raw = Value{std::uint64_t{0xFFFFFFFF'FFFFFFFD}}, .is_long = true};
+  EXPECT_EQ(value_of(metric, MetricType::kInt64), Value{std::int64_t{-3}});
+  EXPECT_EQ(value_of({.raw = Value{0.1}}, MetricType::kFloat), Value{0.1});
+  EXPECT_FALSE(value_of({}, MetricType::kDouble));
+}
+
 TEST(NodeCommand, OnlyARebirthIsAccepted) {
   SparkplugPayload payload;
   auto& rebirth = *payload.add_metrics();
@@ -270,7 +361,10 @@ TEST(NodeCommand, OnlyARebirthIsAccepted) {
   payload.add_metrics()->set_alias(7);
   const auto command = decode_command(payload.SerializeAsString());
   EXPECT_FALSE(command->rebirth);
-  EXPECT_THAT(command->refused, ElementsAre("alias 7"));
+  ASSERT_EQ(command->metrics.size(), 1u);
+  EXPECT_EQ(command->metrics[0].text(), "alias 7");
+  for (int i = 0; i < 100; ++i) payload.add_metrics();
+  EXPECT_EQ(decode_command(payload.SerializeAsString())->metrics.size(), kMostCommanded);
   EXPECT_FALSE(decode_command("\xFF"));
 }
 

@@ -138,6 +138,16 @@ TEST_F(QueueTest, PositionsAndCataloguesStayOverARestart) {
   EXPECT_FALSE(queue.catalogue(1));
 }
 
+TEST_F(QueueTest, ConnectionsAreCountedOverARestart) {
+  {
+    Queue queue = open();
+    EXPECT_EQ(queue.count_up("outlet connections"), 0u);
+    EXPECT_EQ(queue.count_up("outlet connections"), 1u);
+    EXPECT_EQ(queue.count_up("other connections"), 0u);
+  }
+  EXPECT_EQ(open().count_up("outlet connections"), 2u);
+}
+
 TEST_F(QueueTest, AFullQueueThinsTheOldestSamplesFirst) {
   Queue queue = open(100'000);
   append(queue, alarm_record());

@@ -30,6 +30,7 @@ TEST(Subject, NamesSiteBusAndDevice) {
             "fieldcast-audit.north.plant");
   EXPECT_EQ(site_subject_of("sites", "north 1"), "$KV.sites.north=201");
   EXPECT_EQ(command_subject_of("north"), "fieldcast-command.north.*");
+  EXPECT_EQ(command_subject_of("north.1", "anna@hq"), "fieldcast-command.north=2E1.anna=40hq");
 }
 
 TEST(Subject, ATokenHasOneName) {

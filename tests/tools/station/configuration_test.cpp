@@ -53,6 +53,8 @@ stream: { servers: ["tls://nats.example:4222"], authority: ca.pem, user: hall, p
   EXPECT_EQ(loaded->stream->user, "hall");
   EXPECT_EQ(loaded->stream->sample_stream, "PLANTS");
   EXPECT_EQ(loaded->stream->site_bucket, "fieldcast-sites");
+  EXPECT_FALSE(loaded->stream_commands);
+  EXPECT_TRUE(load("stream: { commands: true }\n")->stream_commands);
 }
 
 TEST(StationConfiguration, OnlyAStreamJoinsNoDomain) {

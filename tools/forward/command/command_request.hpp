@@ -1,35 +1,51 @@
-// A request of the centre to write one channel, as JSON, and its response. Pure.
+// A request of the centre for one channel or its alarm, as JSON, and its response. Pure.
 //
 // {"schema":1,"id":"8c1f","channel":"line/press/setpoint","value":21.5,"verify":true,
 //  "expires_at":1764360005000000000}
+// {"schema":1,"id":"8c20","action":"acknowledge","channel":"line/press/temperature",
+//  "limit":"high","note":"seen","expires_at":1764360005000000000}
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/alarm/alarm_status.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 #include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::forward {
 
-// Which user may write which channels.
+// Which user may command which channels.
 struct CommandRule {
   std::string user;  // "*": every user
   std::vector<Pattern> channels;
 };
 
+enum class CentreAction : std::uint8_t { kWrite, kAcquire, kAcknowledge, kShelve, kUnshelve };
+
+[[nodiscard]] std::string_view to_text(CentreAction action);  // "write", ...
+// Empty for kWrite and kAcquire.
+[[nodiscard]] std::optional<AlarmActionKind> alarm_action_of(CentreAction action);
+
 struct CommandRequest {
   std::string user;  // verified by the permissions of the engine
   std::string id;    // 1 to 64 letters, digits, '-', '_', '.'; unique for the user
+  CentreAction action = CentreAction::kWrite;
   ChannelPath channel;
-  Value value;
-  bool verify = false;   // read back after the write
-  UtcTime expires_at{};  // latest start, by the clock of the site
+  Value value;                         // kWrite
+  bool verify = false;                 // kWrite: read back after the write
+  LimitKind limit = LimitKind::kHigh;  // of the alarm
+  std::string note;                    // of an action on an alarm
+  std::uint32_t minutes = 0;           // kShelve
+  UtcTime expires_at{};                // latest start, by the clock of the site
 };
+// The text that command_request_from() parses; the user is not in it.
+[[nodiscard]] std::string to_json(const CommandRequest& request);
 
 // `id` is empty if the request has none.
 struct CommandFault {
@@ -56,6 +72,8 @@ struct CommandResponse {
   UtcTime completed_at{};
 };
 [[nodiscard]] std::string to_json(const CommandResponse& response);
+// Parses the response of a site. Untrusted; empty if it is not one of this version.
+[[nodiscard]] std::optional<CommandResponse> command_response_from(std::string_view text);
 // A request that was not passed to a bridge.
 [[nodiscard]] CommandResponse refusal(std::string id, std::string reason);
 

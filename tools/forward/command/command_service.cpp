@@ -83,10 +83,13 @@ std::string CommandService::response_to(const CentreRequest& request) {
   }
   const CommandJournal::Entry entry = journal_.begin(command->user, command->id, now);
   if (entry.response) return *entry.response;
-  const Duration lifespan = std::min(
+  const Duration left = std::min(
       kLongest, Duration{saturated_difference(command->expires_at.nanoseconds, now.nanoseconds)});
-  log_info(kSubject,
-           fmt::format("{}: {} writes {}", command->id, command->user, command->channel.text()));
+  // In whole seconds if possible, because each lifespan has a DDS writer of its own.
+  const Duration seconds = std::chrono::floor<std::chrono::seconds>(left);
+  const Duration lifespan = seconds > Duration{} ? seconds : left;
+  log_info(kSubject, fmt::format("{}: {} of {} by {}", command->id, to_text(command->action),
+                                 command->channel.text(), command->user));
   const std::string response = to_json(response_from(command->id, execute_(*command, lifespan)));
   journal_.complete(command->user, command->id, response);
   return response;

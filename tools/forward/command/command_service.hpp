@@ -17,6 +17,7 @@
 namespace fieldcast::forward {
 
 struct CommandSpec {
+  std::string user;  // of Sparkplug: of all commands
   std::vector<CommandRule> rules;
 };
 

@@ -31,6 +31,8 @@ struct OutletContext {
   std::uint32_t in_flight = 256;  // the most records without a result
   // Wakes the sender: there are results, or the connection has changed. Any thread.
   std::function<void()> wake;
+  // Counts the connections of this outlet, also over restarts: 0, 1, .. Throws StoreError.
+  std::function<std::uint64_t()> count_connection;
   // Called on a thread of the engine's library; must not block. Null: no commands are accepted.
   std::function<void(CentreRequest request)> on_command;
 };

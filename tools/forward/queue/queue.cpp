@@ -44,6 +44,9 @@ constexpr const char* kKeepCatalogue =
 constexpr const char* kKeepPosition =
     "insert into positions(name, epoch, sequence) values($1, $2, $3) "
     "on conflict(name) do update set epoch = excluded.epoch, sequence = excluded.sequence";
+constexpr const char* kCountUp =
+    "insert into positions(name, epoch, sequence) values($1, 0, 0) "
+    "on conflict(name) do update set sequence = sequence + 1 returning sequence";
 constexpr const char* kKeepGap =
     "insert into gaps(name, after_epoch, after_sequence, until_epoch, until_sequence) "
     "values($1, $2, $3, $4, $5) on conflict(name, until_epoch, until_sequence) do update set "
@@ -365,6 +368,17 @@ std::vector<NamedPosition> Queue::positions() {
         return true;
       });
   return positions;
+}
+
+std::uint64_t Queue::count_up(const std::string& name) {
+  std::uint64_t number = 0;
+  write([&] {
+    connection_->query(kCountUp, {name}, [&number](const SqlRow& row) {
+      number = number_at(row, 0);
+      return true;
+    });
+  });
+  return number;
 }
 
 UtcTime Queue::oldest() {

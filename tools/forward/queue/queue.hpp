@@ -79,6 +79,8 @@ class Queue {
   [[nodiscard]] std::optional<std::string> catalogue(std::uint64_t identity);
   [[nodiscard]] std::vector<NamedPosition> positions();
   [[nodiscard]] std::vector<Gap> gaps();  // that are not closed
+  // Returns 0, 1, 2, .. also over restarts. `name` contains a space, as no name of a channel does.
+  [[nodiscard]] std::uint64_t count_up(const std::string& name);
 
   struct Counters {
     std::uint64_t records = 0, bytes = 0;  // that wait

@@ -17,7 +17,13 @@ constexpr const char* kPatternForm = "BUS/DEVICE/CHANNEL, with * for any charact
 const Rows<CommandSpec>& command_rows() {
   static const Rows<CommandSpec> rows(
       "commands", "'commands'",
-      {{{.name = "allow",
+      {config::field<CommandSpec>(
+           {.name = "user",
+            .fallback = "needed with `sparkplug`",
+            .text = "only with `sparkplug`: the user of every command, because MQTT names none; "
+                    "every client that may publish to the topics of DCMD writes as this user"},
+           &CommandSpec::user, config::TextRule{64}),
+       {{.name = "allow",
          .fallback = std::string(config::kNeeded),
          .text = "a list of rules; a command needs one that allows it",
          .schema = "{}"}}});
@@ -64,9 +70,15 @@ std::optional<CommandSpec> read_commands(MapReader& file, const OutletSpec& outl
   const Node* section = file.find("commands");
   if (section == nullptr) return std::nullopt;
   CommandSpec spec;
-  if (!std::holds_alternative<JetStreamSpec>(outlet))
-    file.fault("commands", "this engine does not carry commands", "'commands' beside 'jetstream'");
+  const bool is_sparkplug = std::holds_alternative<SparkplugSpec>(outlet);
+  if (!is_sparkplug && !std::holds_alternative<JetStreamSpec>(outlet))
+    file.fault("commands", "this engine does not carry commands",
+               "'commands' beside 'jetstream' or 'sparkplug'");
   MapReader map(*section, command_rows(), file.faults());
+  command_rows().read(map, spec);
+  if (is_sparkplug) (void)map.require("user", "user: NAME");
+  if (!is_sparkplug && !spec.user.empty())
+    map.fault("user", "a user, although NATS names the user of each command", "no key 'user'");
   const Node* rules = map.require("allow", "allow: [" + std::string(kRuleForm) + "]");
   if (rules == nullptr ||
       !config::is_list(*rules, "allow", 1, kMostRules, kRuleForm, file.faults()))

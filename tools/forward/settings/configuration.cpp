@@ -65,6 +65,8 @@ LoadedForward load_forward_text(std::string_view text, const std::string& file_n
     read_section(file, "send", send_rows(), spec.send);
     spec.outlet = read_outlet(file, library);
     spec.commands = read_commands(file, spec.outlet);
+    if (auto* const sparkplug = std::get_if<SparkplugSpec>(&spec.outlet))
+      sparkplug->command_user = spec.commands ? spec.commands->user : "";
     if (file.find("metrics") != nullptr)
       read_section(file, "metrics", config::metrics_rows(), spec.metrics.emplace());
   } else if (faults.empty()) {

@@ -43,7 +43,8 @@ void write_value(const Api& api, const HttpRequest& request, const Caller& calle
   if (live == nullptr || live->gone)
     return reply(error_response(404, "no bridge announces this channel",
                                 "GET /api/channels lists those that are there"));
-  if (live->origin == Origin::kStream) return reply(refused(409, refusal_of_stream(path.bus)));
+  if (live->origin == Origin::kStream && !api.commands->reaches_stream())
+    return reply(refused(409, refusal_of_stream(path.bus)));
   auto value = value_for(live->channel.type, write->value);
   if (!value) return reply(refused(400, value.error()));
   const auto id =
@@ -61,7 +62,8 @@ void act_on_alarms(AlarmActionKind kind, const Api& api, const HttpRequest& requ
   if (!actions) return reply(std::move(actions.error()));
   for (const AlarmAction& action : *actions) {
     const std::string& bus = action.alarm.bus;
-    if (api.model->objects().is_of_stream(bus)) return reply(refused(409, refusal_of_stream(bus)));
+    if (api.model->objects().is_of_stream(bus) && !api.commands->reaches_stream())
+      return reply(refused(409, refusal_of_stream(bus)));
   }
   std::vector<std::uint64_t> ids;
   for (AlarmAction& action : *actions) {
@@ -99,7 +101,8 @@ void act_on_device(Checked<AlarmAction> (*action_in)(const nlohmann::json& body)
   auto action = action_in(*body);
   if (!action) return reply(std::move(action.error()));
   const std::string& bus = action->alarm.bus;
-  if (api.model->objects().is_of_stream(bus)) return reply(refused(409, refusal_of_stream(bus)));
+  if (api.model->objects().is_of_stream(bus))
+    return reply(refused(409, refusal_of_device_action(bus)));
   const auto id = api.commands->submit(caller, *std::move(action), {});
   reply(id ? accepted({*id}) : refused(503, id.error()));
 }

@@ -154,10 +154,16 @@ constexpr std::array kKinds{Kind{"subscribe", parse_subscribe},
 }  // namespace
 
 Refusal refusal_of_stream(std::string_view bus) {
-  const std::string site(bus.substr(0, bus.find(':')));
-  return {"site " + printable(site, kShown) + " is read from the stream, which carries no commands",
-          "write at the site, or send a request to fieldcast-command." + printable(site, kShown) +
-              ".USER, if its forwarder allows commands"};
+  const std::string site = printable(bus.substr(0, bus.find(':')), kShown);
+  return {"site " + site + " is read from the stream, and this station sends no commands by it",
+          "write at the site, or set 'stream: { commands: true }' at this station and 'commands' "
+          "at the forwarder of the site"};
+}
+
+Refusal refusal_of_device_action(std::string_view bus) {
+  const std::string site = printable(bus.substr(0, bus.find(':')), kShown);
+  return {"site " + site + " is read from the stream, which carries no actions on devices",
+          "do this at the site"};
 }
 
 ParsedMessage parse_client_message(std::string_view text) {

@@ -50,8 +50,10 @@ struct ClientMessage {
 struct Refusal {
   std::string error, hint;
 };
-// Of commands and actions for a bus of a site that is read from the stream.
+// Of commands for a bus of a site that is read from the stream, without `stream.commands`.
 [[nodiscard]] Refusal refusal_of_stream(std::string_view bus);
+// Of what the stream never carries.
+[[nodiscard]] Refusal refusal_of_device_action(std::string_view bus);
 struct MessageFault {
   std::optional<std::uint64_t> id;
   Refusal refusal;
@@ -102,6 +104,8 @@ class CommandSink {
   // "pending" while it has no outcome; empty if unknown or dropped.
   [[nodiscard]] virtual std::optional<CommandOutcome> find(std::string_view user,
                                                            std::uint64_t request_id) const = 0;
+  // Whether commands can be sent to sites that are read from the stream.
+  [[nodiscard]] virtual bool reaches_stream() const { return false; }
 };
 
 [[nodiscard]] StationCommand write_command(const ChannelPath& path, Value value, bool verify);

@@ -73,9 +73,10 @@ CommandController::Submitted CommandController::submit(const Caller& caller, Sta
   const Duration lifespan = command.lifespan;
   const auto id = command.command.request_id = port_.reserve_request_id();
   asked.request_id = id;
+  CommandRoute& route = route_to(command.bus);
   return enter(
       std::move(asked),
-      [this, command = std::move(command)]() mutable { return port_.send(std::move(command)); },
+      [&route, command = std::move(command)]() mutable { return route.send(std::move(command)); },
       lifespan, std::move(done));
 }
 
@@ -85,9 +86,10 @@ CommandController::Submitted CommandController::submit(const Caller& caller, Ala
   PendingCommands::Asked asked{0, caller, std::string(to_text(action.kind)), target_of(action)};
   if (!action.note.empty()) asked.what += ": " + printable(action.note, kShownInAudit);
   asked.request_id = action.request_id = port_.reserve_request_id();
+  CommandRoute& route = route_to(action.alarm.bus);
   return enter(
       std::move(asked),
-      [this, action = std::move(action)]() mutable { return port_.send(std::move(action)); },
+      [&route, action = std::move(action)]() mutable { return route.send(std::move(action)); },
       StationCommand{}.lifespan, std::move(done));
 }
 
@@ -111,6 +113,20 @@ CommandController::Submitted CommandController::enter(PendingCommands::Asked ask
   book_.add(std::move(asked), std::move(done), latest + kFinding);
   watch();
   return id;
+}
+
+void CommandController::set_stream(CommandRoute& route, IsOfStream is_of_stream) {
+  stream_ = &route;
+  is_of_stream_ = std::move(is_of_stream);
+}
+
+CommandRoute& CommandController::route_to(const std::string& bus) {
+  return stream_ != nullptr && is_of_stream_(bus) ? *stream_ : port_;
+}
+
+void CommandController::on_outcome(std::uint64_t request_id, const StationOutcome& outcome) {
+  if (outcome) return on_result(*outcome);
+  post([this, request_id, fault = outcome.error()] { finish(book_.on_fault(request_id, fault)); });
 }
 
 void CommandController::on_result(const StationResult& result) {

@@ -18,13 +18,18 @@
 
 namespace fieldcast::web {
 
-class CommandPort {
+// How commands reach a site. May block for some seconds; called on the worker thread.
+class CommandRoute {
  public:
-  virtual ~CommandPort() = default;
-  [[nodiscard]] virtual std::uint64_t reserve_request_id() = 0;
-  // These may block for some seconds; called on the worker thread.
+  virtual ~CommandRoute() = default;
   [[nodiscard]] virtual tl::expected<std::uint64_t, StationFault> send(StationCommand command) = 0;
   [[nodiscard]] virtual tl::expected<std::uint64_t, StationFault> send(AlarmAction action) = 0;
+};
+
+// The domains of this station.
+class CommandPort : public CommandRoute {
+ public:
+  [[nodiscard]] virtual std::uint64_t reserve_request_id() = 0;
   virtual void declare(const std::string& pattern, Duration refresh) = 0;  // 0: withdraw
 };
 
@@ -44,16 +49,23 @@ class CommandController : public CommandSink {
   CommandController(const CommandController&) = delete;
   CommandController& operator=(const CommandController&) = delete;
 
+  // Sends what is for a bus of the stream by `route`, which must exist until close().
+  using IsOfStream = std::function<bool(const std::string& bus)>;
+  void set_stream(CommandRoute& route, IsOfStream is_of_stream);
+
   [[nodiscard]] Submitted submit(const Caller& caller, StationCommand command, Done done) override;
   [[nodiscard]] Submitted submit(const Caller& caller, AlarmAction action, Done done) override;
   [[nodiscard]] std::optional<CommandOutcome> find(std::string_view user,
                                                    std::uint64_t request_id) const override {
     return book_.find(user, request_id);
   }
+  [[nodiscard]] bool reaches_stream() const override { return stream_ != nullptr; }
 
   void declare(const std::string& pattern, Duration refresh);
 
-  void on_result(const StationResult& result);  // thread-safe
+  // Thread-safe.
+  void on_result(const StationResult& result);
+  void on_outcome(std::uint64_t request_id, const StationOutcome& outcome);
 
   // Stops sending. Pending commands get no outcome.
   void close();
@@ -62,6 +74,7 @@ class CommandController : public CommandSink {
   using Sent = tl::expected<std::uint64_t, StationFault>;
   using Send = std::function<Sent()>;
   Submitted enter(PendingCommands::Asked asked, Send send, Duration lifespan, Done done);
+  [[nodiscard]] CommandRoute& route_to(const std::string& bus);
   void run(BoundedQueue<std::function<void()>>& queue);
   void declare_all();
   void finish(std::optional<PendingCommands::Ended> ended);
@@ -70,6 +83,8 @@ class CommandController : public CommandSink {
 
   boost::asio::io_context& io_;
   CommandPort& port_;
+  CommandRoute* stream_ = nullptr;
+  IsOfStream is_of_stream_;
   Audit* const audit_;
   const Done others_;
   PendingCommands book_;

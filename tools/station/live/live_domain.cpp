@@ -178,6 +178,11 @@ LiveDomain::~LiveDomain() {
 
 const LiveModel& LiveDomain::model() const { return state_->model; }
 CommandController& LiveDomain::commands() { return state_->desk; }
+void LiveDomain::set_stream(CommandRoute& route) {
+  state_->desk.set_stream(route, [&model = state_->model](const std::string& bus) {
+    return model.objects().is_of_stream(bus);
+  });
+}
 ConfigurationRequests& LiveDomain::configurations() { return state_->configurations; }
 
 LiveHub& LiveDomain::hub() { return state_->hub; }

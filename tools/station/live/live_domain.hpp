@@ -36,6 +36,8 @@ class LiveDomain {
 
   [[nodiscard]] const LiveModel& model() const;
   [[nodiscard]] CommandController& commands();
+  // Sends commands for sites of the stream by `route`, which must exist until commands().close().
+  void set_stream(CommandRoute& route);
   [[nodiscard]] ConfigurationRequests& configurations();
   [[nodiscard]] LiveHub& hub();
   // For further sources of channels and values.

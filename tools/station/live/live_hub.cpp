@@ -234,7 +234,8 @@ tl::expected<const LiveChannel*, Refusal> LiveClient::commanded(const ChannelPat
   if (channel == nullptr || channel->gone)
     return tl::unexpected(Refusal{"channel " + printable(path.text(), 200) + " is unknown",
                                   "no bridge announces it at present"});
-  if (channel->origin == Origin::kStream) return tl::unexpected(refusal_of_stream(path.bus));
+  if (channel->origin == Origin::kStream && !context_.commands.reaches_stream())
+    return tl::unexpected(refusal_of_stream(path.bus));
   return channel;
 }
 

@@ -228,7 +228,11 @@ std::string site_json(const LiveSite& site) {
 }
 
 std::string stream_json(const LiveStream& stream) {
-  return JsonObject().add("connected", stream.connected).add("reason", stream.reason).take();
+  return JsonObject()
+      .add("connected", stream.connected)
+      .add("reason", stream.reason)
+      .add("commands", stream.commands)
+      .take();
 }
 
 std::string read_plan_json(const StationReadPlan& plan) {

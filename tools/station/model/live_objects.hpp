@@ -64,7 +64,8 @@ struct LiveSite {
 // The connection to the stream.
 struct LiveStream {
   bool connected = false;
-  std::string reason;  // of a missing connection, or of a stream that cannot be read
+  std::string reason;     // of a missing connection, or of a stream that cannot be read
+  bool commands = false;  // this station sends commands to its sites
   friend bool operator==(const LiveStream&, const LiveStream&) = default;
 };
 

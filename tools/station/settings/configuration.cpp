@@ -122,6 +122,10 @@ const Rows<forward::JetStreamSpec>& stream_rows() {
     auto fields = forward::connection_fields();
     for (auto& each : forward::stream_name_fields(" at the forwarders"))
       fields.push_back(std::move(each));
+    fields.push_back({{.name = "commands",
+                       .fallback = "`false`",
+                       .text = "sends commands of users to the sites whose forwarders allow it",
+                       .schema = R"({"type": "boolean"})"}});
     return Rows<forward::JetStreamSpec>(
         "stream", "'stream'", std::move(fields),
         "Reads every site whose `fieldcast-forward` sends to this NATS JetStream.");
@@ -195,6 +199,7 @@ void read_stream(MapReader& file, StationSpec& spec, config::Library& library) {
   MapReader map(*node, stream_rows(), file.faults());
   spec.stream.emplace();
   stream_rows().read(map, *spec.stream);
+  map.read("commands", spec.stream_commands, config::FlagRule{});
   forward::read_connection(map, *spec.stream, library);
 }
 

@@ -32,6 +32,7 @@ struct StationSpec {
   std::vector<DdsSite> sites{DdsSite{}};
   // Sites whose forwarders send to NATS JetStream, in addition to `sites`.
   std::optional<forward::JetStreamSpec> stream;
+  bool stream_commands = false;  // sends commands of users to these sites
   LogSpec log;
   WebSpec web;
   // `samples` has the patterns of the recorded channels; an empty list records nothing.

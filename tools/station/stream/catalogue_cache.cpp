@@ -19,7 +19,7 @@ SharedCatalogue CatalogueCache::find(const std::string& site, const std::string&
   }
   const auto entry = read(key);
   if (!entry && entry.error() == EntryFault::kUnavailable) return nullptr;
-  auto decoded = entry ? decode_catalogue(site, *entry) : tl::make_unexpected(MessageFault::kForm);
+  auto decoded = entry ? decode_catalogue(site, *entry) : tl::make_unexpected(DecodeFault::kForm);
   const std::lock_guard lock(mutex_);
   if (!decoded) {
     if (missing_.size() >= kMaxMissing) missing_.clear();

@@ -16,20 +16,19 @@ namespace {
 
 // Calls `protobuf` or `json` with the content of a message, and returns what that returns.
 template <class Made>
-tl::expected<Made, MessageFault> decoded(std::string_view data,
-                                         std::optional<Made> (*protobuf)(std::string_view),
-                                         std::optional<Made> (forward::JsonPayload::*json)()
-                                             const) {
+tl::expected<Made, DecodeFault> decoded(std::string_view data,
+                                        std::optional<Made> (*protobuf)(std::string_view),
+                                        std::optional<Made> (forward::JsonPayload::*json)() const) {
   const auto content = forward::decompressed(data);
-  if (!content) return tl::make_unexpected(MessageFault::kFrame);
+  if (!content) return tl::make_unexpected(DecodeFault::kFrame);
   const bool is_json = content->starts_with('{');
   const auto payload = is_json ? forward::JsonPayload::parse(*content) : std::nullopt;
-  if (is_json && !payload) return tl::make_unexpected(MessageFault::kForm);
+  if (is_json && !payload) return tl::make_unexpected(DecodeFault::kForm);
   const auto schema = is_json ? payload->schema() : forward::schema_of(*content);
-  if (!schema) return tl::make_unexpected(MessageFault::kForm);
-  if (*schema != forward::kSchema) return tl::make_unexpected(MessageFault::kSchema);
+  if (!schema) return tl::make_unexpected(DecodeFault::kForm);
+  if (*schema != forward::kSchema) return tl::make_unexpected(DecodeFault::kSchema);
   auto made = is_json ? ((*payload).*json)() : protobuf(*content);
-  if (!made) return tl::make_unexpected(MessageFault::kContent);
+  if (!made) return tl::make_unexpected(DecodeFault::kContent);
   return *std::move(made);
 }
 
@@ -58,17 +57,17 @@ bool find_channels(forward::NamedSamples& named, const forward::DeviceCatalogue&
 
 }  // namespace
 
-std::string_view to_text(MessageFault fault) {
+std::string_view to_text(DecodeFault fault) {
   switch (fault) {
-    case MessageFault::kSubject: return "the subject does not name a site, a bus and a device";
-    case MessageFault::kFrame: return "the zstd frame is damaged or too large";
-    case MessageFault::kForm: return "the content is neither protobuf nor JSON";
-    case MessageFault::kSchema:
+    case DecodeFault::kSubject: return "the subject does not name a site, a bus and a device";
+    case DecodeFault::kFrame: return "the zstd frame is damaged or too large";
+    case DecodeFault::kForm: return "the content is neither protobuf nor JSON";
+    case DecodeFault::kSchema:
       return "the version of the message is not supported; update this station";
-    case MessageFault::kContent: return "the content cannot be decoded";
-    case MessageFault::kCatalogue:
+    case DecodeFault::kContent: return "the content cannot be decoded";
+    case DecodeFault::kCatalogue:
       return "the bucket does not have its catalogue; restart the forwarder of the site";
-    case MessageFault::kTaken:
+    case DecodeFault::kTaken:
       return "a site of this station in DDS has the same name; rename one of the two";
   }
   return "?";
@@ -93,16 +92,16 @@ std::optional<StreamSubject> stream_subject_from(std::string_view subject) {
   return found;
 }
 
-tl::expected<StreamBatch, MessageFault> decode_batch(const StreamMessage& message,
-                                                     const FindCatalogue& find) {
+tl::expected<StreamBatch, DecodeFault> decode_batch(const StreamMessage& message,
+                                                    const FindCatalogue& find) {
   const auto subject = stream_subject_from(message.subject);
-  if (!subject) return tl::make_unexpected(MessageFault::kSubject);
+  if (!subject) return tl::make_unexpected(DecodeFault::kSubject);
   auto named = decoded(message.data, samples_by_index, &forward::JsonPayload::samples);
   if (!named) return tl::make_unexpected(named.error());
   forward::SampleBatch& samples = named->batch;
   SharedCatalogue catalogue = find(subject->site, subject->bus, subject->device, samples.catalogue);
   if (catalogue == nullptr || !find_channels(*named, *catalogue))
-    return tl::make_unexpected(MessageFault::kCatalogue);
+    return tl::make_unexpected(DecodeFault::kCatalogue);
   samples.bus = bus_of_site(subject->site, subject->bus);
   samples.device = subject->device;
   return StreamBatch{.site = subject->site,
@@ -112,9 +111,9 @@ tl::expected<StreamBatch, MessageFault> decode_batch(const StreamMessage& messag
                      .catalogue = std::move(catalogue)};
 }
 
-tl::expected<StationAlarmStatus, MessageFault> decode_alarm(const StreamMessage& message) {
+tl::expected<StationAlarmStatus, DecodeFault> decode_alarm(const StreamMessage& message) {
   const auto subject = stream_subject_from(message.subject);
-  if (!subject) return tl::make_unexpected(MessageFault::kSubject);
+  if (!subject) return tl::make_unexpected(DecodeFault::kSubject);
   auto alarm = decoded(message.data, forward::decode_alarm, &forward::JsonPayload::alarm);
   if (!alarm) return tl::make_unexpected(alarm.error());
   alarm->alarm.bus = bus_of_site(subject->site, subject->bus);
@@ -122,8 +121,8 @@ tl::expected<StationAlarmStatus, MessageFault> decode_alarm(const StreamMessage&
   return *std::move(alarm);
 }
 
-tl::expected<forward::DeviceCatalogue, MessageFault> decode_catalogue(const std::string& site,
-                                                                      std::string_view data) {
+tl::expected<forward::DeviceCatalogue, DecodeFault> decode_catalogue(const std::string& site,
+                                                                     std::string_view data) {
   auto catalogue = decoded(data, forward::decode_catalogue, &forward::JsonPayload::catalogue);
   if (!catalogue) return tl::make_unexpected(catalogue.error());
   catalogue->bus = bus_of_site(site, catalogue->bus);

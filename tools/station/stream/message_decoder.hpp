@@ -12,7 +12,7 @@
 
 namespace fieldcast::web {
 
-enum class MessageFault : std::uint8_t {
+enum class DecodeFault : std::uint8_t {
   kSubject,    // not SUBJECTS.SITE.BUS.DEVICE
   kFrame,      // a damaged zstd frame, or one that is too large
   kForm,       // neither protobuf nor JSON
@@ -21,7 +21,7 @@ enum class MessageFault : std::uint8_t {
   kCatalogue,  // the bucket has no catalogue of this identity, or it lacks a channel
   kTaken,      // a DDS site of this station has the name of the site
 };
-[[nodiscard]] std::string_view to_text(MessageFault fault);
+[[nodiscard]] std::string_view to_text(DecodeFault fault);
 
 struct StreamMessage {
   std::string_view subject, data;
@@ -39,12 +39,12 @@ struct StreamSubject {
 using FindCatalogue = std::function<SharedCatalogue(const std::string& site, const std::string& bus,
                                                     const std::string& device, std::uint64_t)>;
 
-[[nodiscard]] tl::expected<StreamBatch, MessageFault> decode_batch(const StreamMessage& message,
-                                                                   const FindCatalogue& find);
-[[nodiscard]] tl::expected<StationAlarmStatus, MessageFault> decode_alarm(
+[[nodiscard]] tl::expected<StreamBatch, DecodeFault> decode_batch(const StreamMessage& message,
+                                                                  const FindCatalogue& find);
+[[nodiscard]] tl::expected<StationAlarmStatus, DecodeFault> decode_alarm(
     const StreamMessage& message);
 // An entry of the bucket, with the names of a station.
-[[nodiscard]] tl::expected<forward::DeviceCatalogue, MessageFault> decode_catalogue(
+[[nodiscard]] tl::expected<forward::DeviceCatalogue, DecodeFault> decode_catalogue(
     const std::string& site, std::string_view data);
 
 }  // namespace fieldcast::web

@@ -29,7 +29,8 @@ class NatsSession {
   // Why the server cannot be reached; empty if it can.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
-  // REQUIRES: is_ready() was true.
+  // REQUIRES of all below: is_ready() was true.
+  [[nodiscard]] natsConnection* connection() { return connection_.get(); }
   [[nodiscard]] jsCtx* context() { return context_.get(); }
   // The value of a key. kUnavailable if the server does not respond within 5 s.
   [[nodiscard]] tl::expected<std::string, EntryFault> entry(const std::string& bucket,

@@ -111,7 +111,7 @@ class StateReader {
     SiteRegistry::News news = shared_.sites.news(read_clocks().utc);
     for (LiveSite& site : news.changed) inbox_.put(std::move(site));
     for (const std::string& site : news.silent) inbox_.on_silent(site);
-    LiveStream stream;
+    LiveStream stream{.commands = shared_.commands};
     stream.reason = ready ? shared_.fault() : session_.fault();
     stream.connected = ready && stream.reason.empty();
     if (reported_ == stream) return;

@@ -1,5 +1,6 @@
 #include "tools/station/stream/stream_reader.hpp"
 
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@ namespace fieldcast::web {
 struct StreamReader::State {
   StreamShared shared;
   std::vector<std::thread> threads;
+  std::optional<SiteCommands> commands;
 };
 
 StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
@@ -34,7 +36,14 @@ StreamReader::~StreamReader() {
   constexpr std::int64_t kCloseMs = 5'000;
   state_->shared.end();
   for (std::thread& thread : state_->threads) thread.join();
+  if (state_->commands) state_->commands->close();
   nats_CloseAndWait(kCloseMs);
+}
+
+CommandRoute& StreamReader::allow_commands(SiteCommands::OnOutcome on_outcome) {
+  StreamShared& shared = state_->shared;
+  shared.commands = true;
+  return state_->commands.emplace(shared.spec, shared.station, std::move(on_outcome));
 }
 
 StreamReader::Counters StreamReader::counters() const {

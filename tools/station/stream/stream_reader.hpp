@@ -1,6 +1,6 @@
 // Reads the sites of the stream: values, alarms and the state of each site into the inbox, samples
 // into the store. Each of three threads has a connection of its own, so that a long backlog of the
-// record does not delay present values.
+// record does not delay present values. Commands have a fourth one.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/station/live/domain_inbox.hpp"
 #include "tools/station/record/recorder.hpp"
+#include "tools/station/stream/site_commands.hpp"
 
 namespace fieldcast::web {
 
@@ -25,6 +26,8 @@ class StreamReader {
   StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
                std::set<std::string> taken, DomainInbox& inbox, Store* store, Recorder* recorder,
                std::function<void(const StationAlarmStatus&)> on_alarm = {});
+  // Allows commands to the sites; their route exists as long as this object.
+  [[nodiscard]] CommandRoute& allow_commands(SiteCommands::OnOutcome on_outcome);
   // Waits for the threads, a few seconds if a server does not respond.
   ~StreamReader();
   StreamReader(const StreamReader&) = delete;

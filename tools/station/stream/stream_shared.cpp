@@ -63,7 +63,7 @@ std::string StreamShared::fault() const {
   return {};
 }
 
-void MessageReader::refuse(const StreamMessage& message, MessageFault fault) {
+void MessageReader::refuse(const StreamMessage& message, DecodeFault fault) {
   if (!counts_) return;
   ++shared_.refused;
   if (const auto subject = stream_subject_from(message.subject))
@@ -83,7 +83,7 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
   const StreamMessage message = message_of(from, stored_at_of(from));
   is_unavailable_ = false;
   if (is_taken(message)) {
-    refuse(message, MessageFault::kTaken);
+    refuse(message, DecodeFault::kTaken);
     return std::nullopt;
   }
   const auto find = [this](const std::string& site, const std::string& bus,
@@ -97,17 +97,17 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
   };
   auto batch = decode_batch(message, find);
   const Instant began = steady_now();
-  if (!batch && batch.error() == MessageFault::kCatalogue &&
+  if (!batch && batch.error() == DecodeFault::kCatalogue &&
       began >= waited_[std::string(message.subject)]) {
     if (waited_.size() >= kMaxWaited) waited_.clear();
-    while (!batch && batch.error() == MessageFault::kCatalogue && steady_now() - began < kWait &&
+    while (!batch && batch.error() == DecodeFault::kCatalogue && steady_now() - began < kWait &&
            shared_.wait(kTryAgain))
       batch = decode_batch(message, find);
     waited_[std::string(message.subject)] = steady_now() + kWaitAgain;
   }
   if (!batch) {
     is_unavailable_ =
-        batch.error() == MessageFault::kCatalogue && (is_unavailable_ || shared_.is_ending());
+        batch.error() == DecodeFault::kCatalogue && (is_unavailable_ || shared_.is_ending());
     if (!is_unavailable_) refuse(message, batch.error());
     return std::nullopt;
   }
@@ -117,8 +117,7 @@ std::optional<StreamBatch> MessageReader::batch_of(natsMsg* from) {
 
 std::optional<StationAlarmStatus> MessageReader::alarm_of(natsMsg* from) {
   const StreamMessage message = message_of(from, stored_at_of(from));
-  auto alarm =
-      is_taken(message) ? tl::make_unexpected(MessageFault::kTaken) : decode_alarm(message);
+  auto alarm = is_taken(message) ? tl::make_unexpected(DecodeFault::kTaken) : decode_alarm(message);
   if (alarm) {
     const std::string& bus = alarm->alarm.bus;
     shared_.sites.heard(bus.substr(0, bus.find(':')), message.stored_at);

@@ -26,6 +26,7 @@ inline constexpr std::size_t kStreamParts = 3;
 struct StreamShared {
   forward::JetStreamSpec spec;
   std::string station;  // its name
+  std::atomic<bool> commands = false;
 
   CatalogueCache catalogues;
   SiteRegistry sites;
@@ -67,7 +68,7 @@ class MessageReader {
   [[nodiscard]] std::optional<StationAlarmStatus> alarm_of(natsMsg* message);
 
  private:
-  void refuse(const StreamMessage& message, MessageFault fault);
+  void refuse(const StreamMessage& message, DecodeFault fault);
   [[nodiscard]] bool is_taken(const StreamMessage& message) const;
 
   StreamShared& shared_;

@@ -31,7 +31,9 @@ class FakeCommands final : public CommandSink {
     return outcome;
   }
 
-  bool full = false;
+  bool reaches_stream() const override { return stream; }
+
+  bool full = false, stream = false;
   std::uint64_t last = 0;
   std::vector<std::string> users;
   std::vector<StationCommand> commands;
@@ -64,7 +66,7 @@ class CommandsApiTest : public test::ApiTest {
   FakeCommands commands_;
 };
 
-TEST_F(CommandsApiTest, ASiteOfTheStreamAcceptsNone) {
+TEST_F(CommandsApiTest, ASiteOfTheStreamAcceptsNoneUnlessTheyAreAllowed) {
   StationChannel channel;
   channel.bus = "north:line";
   channel.device = "d";
@@ -82,9 +84,19 @@ TEST_F(CommandsApiTest, ASiteOfTheStreamAcceptsNone) {
     const HttpResponse response = post(path, body);
     EXPECT_EQ(response.status, 409u) << path;
     EXPECT_EQ(Json::parse(response.body).at("error"),
-              "site north is read from the stream, which carries no commands");
+              path == std::string("/api/sessions/end")
+                  ? "site north is read from the stream, which carries no actions on devices"
+                  : "site north is read from the stream, and this station sends no commands by it");
   }
   EXPECT_EQ(commands_.last, 0u);
+  commands_.stream = true;
+  EXPECT_EQ(post("/api/commands", R"({"channel":"north:line/d/speed","value":42})").status, 202u);
+  EXPECT_EQ(post("/api/alarms/acknowledge",
+                 R"({"alarms":[{"bus":"north:line","device":"d","channel":"c","limit":"high"}]})")
+                .status,
+            202u);
+  EXPECT_EQ(post("/api/sessions/end", R"({"bus":"north:line","device":"d"})").status, 409u);
+  EXPECT_EQ(commands_.last, 2u);
 }
 
 TEST_F(CommandsApiTest, AWriteIsTakenWithTheNameOfThePerson) {

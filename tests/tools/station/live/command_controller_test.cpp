@@ -140,6 +140,27 @@ TEST_F(CommandControllerTest, AnAlarmActionNamesItsPerson) {
   EXPECT_EQ(audit.entries[0].result, "rejected: no such alarm");
 }
 
+TEST_F(CommandControllerTest, ACommandForASiteOfTheStreamHasItsRoute) {
+  FakePort stream;
+  desk.set_stream(stream, [](const std::string& bus) { return bus.starts_with("north:"); });
+  EXPECT_TRUE(desk.reaches_stream());
+  const auto done = [this](const CommandOutcome& outcome) { outcomes.push_back(outcome); };
+  const auto id = desk.submit(anna, acquire_command({"north:shop", "press", "oil"}), done);
+  ASSERT_TRUE(id);
+  ASSERT_TRUE(write());
+  desk.on_outcome(*id, tl::unexpected(StationFault::kNoBridge));
+  ASSERT_TRUE(run_until([&] {
+    const std::scoped_lock lock(port.mutex, stream.mutex);
+    return !outcomes.empty() && !port.sent.empty() && !stream.sent.empty();
+  }));
+  EXPECT_EQ(stream.sent.size(), 1u);
+  EXPECT_EQ(stream.sent[0].bus, "north:shop");
+  EXPECT_EQ(stream.sent[0].person, "anna");
+  EXPECT_EQ(port.sent[0].bus, "shop");
+  EXPECT_EQ(outcomes[0].state, "not-sent");
+  desk.close();
+}
+
 TEST_F(CommandControllerTest, InterestsAreDeclaredOnTheWorker) {
   desk.declare("shop/press/oil", 500ms);
   ASSERT_TRUE(run_until([&] {

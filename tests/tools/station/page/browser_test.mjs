@@ -182,6 +182,25 @@ test('a station that falls silent is taken for lost', { skip }, async () => {
   await page.context().close();
 });
 
+test('a site of the stream is written to only if the station sends commands to it', { skip }, async () => {
+  const stream = await startMock({ files, modules, channels: 40, site: 'north:' });
+  try {
+    const page = await browser.open(`#/channel/north:${channel}`, { base: address(stream) });
+    await settled(page);
+    const commands = (allowed) => stream.tell({ kind: 'stream', connected: true, reason: '', commands: allowed });
+    stream.tell({ kind: 'site', site: 'north', connected: true, heard_ms: Date.now() });
+    commands(false);
+    await until(async () => /sends no commands to this site/.test(await page.textContent('.commands')), 'the reason');
+    assert.equal(await page.locator('#new-value').count(), 0);
+    assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+    commands(true);
+    await page.waitForSelector('#new-value');
+    await page.context().close();
+  } finally {
+    stream.close();
+  }
+});
+
 test('a login is needed where there are users; a viewer may look only', { skip }, async () => {
   const options = { base: address(guarded), ignore: /401|WebSocket/ };
   const page = await browser.open(`#/channel/${channel}`, options);

@@ -30,9 +30,9 @@ const password = 'secret secret';
 const namedBuses = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
 export class InventedPlant {
-  // `buses`: their number; otherwise the four with names.
-  constructor(channels, buses = 0) {
-    const busNames = buses ? Array.from({ length: buses }, (_, n) => `line-${String(n + 1).padStart(2, '0')}`) : namedBuses;
+  // `buses`: their number; otherwise the four with names. `site`: of all buses, "north:".
+  constructor(channels, buses = 0, site = '') {
+    const busNames = buses ? Array.from({ length: buses }, (_, n) => `line-${String(n + 1).padStart(2, '0')}`) : namedBuses.map((name) => site + name);
     const now = Date.now();
     this.channels = [];
     this.alarms = [];
@@ -182,9 +182,9 @@ function planOf(bus, load = 0.46) {
 
 // Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
 // true, new sockets are rejected.
-export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20, buses = 0, role = 'operator' }) {
+export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20, buses = 0, site = '', role = 'operator' }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
-  const plant = new InventedPlant(channels, buses);
+  const plant = new InventedPlant(channels, buses, site);
   const logins = new Map();  // cookie: user
   const cached = new Map();
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));

@@ -24,10 +24,10 @@ SharedCatalogue find(const std::string& site, const std::string& bus, const std:
   return std::make_shared<const forward::DeviceCatalogue>(catalogue_of("north:line", {"a"}));
 }
 
-MessageFault fault_of(const std::string& subject, const std::string& data) {
+DecodeFault fault_of(const std::string& subject, const std::string& data) {
   const auto batch = decode_batch({subject, data, {}}, find);
   EXPECT_FALSE(batch);
-  return batch ? MessageFault{} : batch.error();
+  return batch ? DecodeFault{} : batch.error();
 }
 
 TEST(MessageDecoder, ABusHasItsSiteInItsName) {
@@ -66,11 +66,11 @@ TEST(MessageDecoder, JsonIsRead) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->samples.samples, batch.samples);
   EXPECT_EQ(read->samples.bus, "north:line");
-  EXPECT_EQ(fault_of(kSubject, "{\"schema\":2}"), MessageFault::kSchema);
-  EXPECT_EQ(fault_of(kSubject, "{\"schema\":1}"), MessageFault::kContent);
-  EXPECT_EQ(fault_of(kSubject, "{}"), MessageFault::kForm);
+  EXPECT_EQ(fault_of(kSubject, "{\"schema\":2}"), DecodeFault::kSchema);
+  EXPECT_EQ(fault_of(kSubject, "{\"schema\":1}"), DecodeFault::kContent);
+  EXPECT_EQ(fault_of(kSubject, "{}"), DecodeFault::kForm);
   EXPECT_EQ(fault_of(kSubject, forward::to_json("north", batch, catalogue_of("line", {"b"}))),
-            MessageFault::kCatalogue);
+            DecodeFault::kCatalogue);
   const auto catalogue =
       decode_catalogue("north", forward::to_json("north", catalogue_of("line", {"a"})));
   ASSERT_TRUE(catalogue);
@@ -78,22 +78,22 @@ TEST(MessageDecoder, JsonIsRead) {
 }
 
 TEST(MessageDecoder, EachFaultHasItsReason) {
-  EXPECT_EQ(fault_of("fieldcast.north.line", payload()), MessageFault::kSubject);
-  EXPECT_EQ(fault_of("fieldcast.north.line.press.x", payload()), MessageFault::kSubject);
-  EXPECT_EQ(fault_of("fieldcast.north.=2.press", payload()), MessageFault::kSubject);
-  EXPECT_EQ(fault_of(kSubject, "\x28\xB5\x2F\xFD rest"), MessageFault::kFrame);
-  EXPECT_EQ(fault_of(kSubject, ""), MessageFault::kForm);
-  EXPECT_EQ(fault_of(kSubject, "poison"), MessageFault::kForm);
-  EXPECT_EQ(fault_of(kSubject, "\x08\x02" + payload().substr(2)), MessageFault::kSchema);
-  EXPECT_EQ(fault_of(kSubject, payload().substr(0, payload().size() - 3)), MessageFault::kContent);
-  EXPECT_EQ(fault_of("fieldcast.south.line.press", payload()), MessageFault::kCatalogue);
+  EXPECT_EQ(fault_of("fieldcast.north.line", payload()), DecodeFault::kSubject);
+  EXPECT_EQ(fault_of("fieldcast.north.line.press.x", payload()), DecodeFault::kSubject);
+  EXPECT_EQ(fault_of("fieldcast.north.=2.press", payload()), DecodeFault::kSubject);
+  EXPECT_EQ(fault_of(kSubject, "\x28\xB5\x2F\xFD rest"), DecodeFault::kFrame);
+  EXPECT_EQ(fault_of(kSubject, ""), DecodeFault::kForm);
+  EXPECT_EQ(fault_of(kSubject, "poison"), DecodeFault::kForm);
+  EXPECT_EQ(fault_of(kSubject, "\x08\x02" + payload().substr(2)), DecodeFault::kSchema);
+  EXPECT_EQ(fault_of(kSubject, payload().substr(0, payload().size() - 3)), DecodeFault::kContent);
+  EXPECT_EQ(fault_of("fieldcast.south.line.press", payload()), DecodeFault::kCatalogue);
 }
 
 TEST(MessageDecoder, AChannelBeyondTheCatalogueIsAFault) {
   forward::BatchSample sample = test::sample(1);
   sample.channel = 1;
   const forward::SampleBatch batch{"line", "press", 7, 99, {sample}};
-  EXPECT_EQ(fault_of(kSubject, forward::encode(batch)), MessageFault::kCatalogue);
+  EXPECT_EQ(fault_of(kSubject, forward::encode(batch)), DecodeFault::kCatalogue);
 }
 
 TEST(MessageDecoder, AlarmsAndCataloguesHaveTheSiteInTheNameOfTheBus) {

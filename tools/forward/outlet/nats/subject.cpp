@@ -54,6 +54,10 @@ std::string command_subject_of(std::string_view site) {
   return fmt::format("{}.{}.*", kCommandSubjects, subject_token(site));
 }
 
+std::string command_subject_of(std::string_view site, std::string_view user) {
+  return fmt::format("{}.{}.{}", kCommandSubjects, subject_token(site), subject_token(user));
+}
+
 std::string name_of_token(std::string_view token) {
   std::string name;
   for (std::size_t i = 0; i < token.size(); ++i) {

@@ -33,6 +33,7 @@ inline constexpr std::string_view kAuditSubjects = "fieldcast-audit";
 // "fieldcast-command.SITE.*": the last token is the user.
 inline constexpr std::string_view kCommandSubjects = "fieldcast-command";
 [[nodiscard]] std::string command_subject_of(std::string_view site);
+[[nodiscard]] std::string command_subject_of(std::string_view site, std::string_view user);
 // Returns the name for which subject_token() returns this token. Empty for any other text.
 [[nodiscard]] std::string name_of_token(std::string_view token);
 

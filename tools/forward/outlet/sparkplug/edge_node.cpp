@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "bridge/log/log.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/forward/outlet/mqtt/topics.hpp"
 #include "tools/forward/payload/codec.hpp"
 
@@ -49,16 +51,15 @@ std::string EdgeNode::node_topic(std::string_view type) const {
   return fmt::format("{}/{}/{}/{}", kNamespace, topic_level(spec_.group), type, node_);
 }
 
-MqttMessage EdgeNode::will(UtcTime now) {
-  bd_seq_ = bd_seq_ ? static_cast<std::uint8_t>(*bd_seq_ + 1) : std::uint8_t{0};
+MqttMessage EdgeNode::will(std::uint64_t number, UtcTime now) {
+  bd_seq_ = static_cast<std::uint8_t>(number);
   return death(now);
 }
 
 MqttMessage EdgeNode::death(UtcTime now) const {
   // The specification requires QoS 1 for this message only.
   return {node_topic("NDEATH"),
-          encode_payload({birth_and_death(bd_seq_.value_or(0), now)}, std::nullopt, now, true), 1,
-          false};
+          encode_payload({birth_and_death(bd_seq_, now)}, std::nullopt, now, true), 1, false};
 }
 
 MqttMessage EdgeNode::made(std::string_view type, const Device* device,
@@ -74,7 +75,7 @@ std::vector<MqttMessage> EdgeNode::births(UtcTime now) {
   next_seq_ = 0;
   Messages messages;
   messages.push_back(made("NBIRTH", nullptr,
-                          {birth_and_death(bd_seq_.value_or(0), now),
+                          {birth_and_death(bd_seq_, now),
                            {.name = std::string(kRebirth),
                             .at = now,
                             .type = MetricType::kBoolean,
@@ -93,12 +94,14 @@ void EdgeNode::bear(Device& device, Messages& messages, UtcTime now) {
     const Last last = channel.last.value_or(Last{.value = {}, .at = now});
     channel.was_good = last.quality == Quality::kGood;
     Metric& metric = metrics.emplace_back();
-    metric = {.name = channel.entry.channel,
-              .alias = channel.alias,
-              .at = last.at,
-              .type = channel.type,
-              .quality = last.quality,
-              .channel = &channel.entry};
+    metric = {
+        .name = channel.entry.channel,
+        .alias = channel.alias,
+        .at = last.at,
+        .type = channel.type,
+        .quality = last.quality,
+        .channel = &channel.entry,
+        .is_writable = !spec_.command_user.empty() && channel.entry.access != Access::kReadOnly};
     if (has_value(last.quality)) metric.value = last.value;
     for (std::size_t limit = 0; limit < channel.alarms.size(); ++limit) {
       const Alarm& alarm = channel.alarms[limit];
@@ -113,7 +116,52 @@ void EdgeNode::bear(Device& device, Messages& messages, UtcTime now) {
   }
   messages.push_back(made("DBIRTH", &device, metrics, now));
   device.is_born = true;
+  device.born_at = now;
   device.is_dead = false;
+}
+
+std::vector<EdgeNode::Write> EdgeNode::writes(const MqttMessage& message) const {
+  const auto refused = [](std::string reason) {
+    return std::vector<Write>{tl::make_unexpected(std::move(reason))};
+  };
+  const auto command = decode_command(message.payload);
+  if (!command) return refused("the payload cannot be decoded");
+  const std::string id = message.topic.substr(message.topic.rfind('/') + 1);
+  const auto found = std::ranges::find_if(
+      devices_, [&id](const auto& each) { return each.second.id == id && each.second.is_born; });
+  if (found == devices_.end()) return refused("no such device is born");
+  if (command->at.nanoseconds == 0) return refused("the payload has no timestamp");
+  // A host could otherwise use the aliases of an earlier birth for other channels.
+  if (command->at < found->second.born_at)
+    return refused("the command is older than the birth of the device; send it again");
+  std::vector<Write> writes;
+  for (const CommandMetric& metric : command->metrics) {
+    writes.push_back(write_of(found->second, *command, metric));
+    if (!writes.back()) continue;
+    writes.back()->id =
+        fmt::format("{}-{:016x}-{}", command->at.nanoseconds / 1'000'000,
+                    std::hash<std::string>{}(message.topic + message.payload), writes.size());
+  }
+  return writes;
+}
+
+EdgeNode::Write EdgeNode::write_of(const Device& device, const HostCommand& command,
+                                   const CommandMetric& metric) const {
+  const auto refused = [&metric](std::string_view why) {
+    return tl::make_unexpected(fmt::format("{}: {}", printable(metric.text(), 64), why));
+  };
+  const auto channel = std::ranges::find_if(device.channels, [&metric](const Channel& each) {
+    return metric.name.empty() ? metric.alias == each.alias : metric.name == each.entry.channel;
+  });
+  if (channel == device.channels.end()) return refused("the device has no such channel");
+  auto value = value_of(metric, channel->type);
+  if (!value) return refused("the value is null or not of the type of the metric");
+  const StationChannel& entry = channel->entry;
+  return CommandRequest{.user = spec_.command_user,
+                        .channel = {entry.bus, entry.device, entry.channel},
+                        .value = *std::move(value),
+                        .verify = entry.access == Access::kReadWrite,
+                        .expires_at = {command.at.nanoseconds + kCommandLife.count()}};
 }
 
 std::optional<EdgeNode::Messages> EdgeNode::messages(const Record& record, UtcTime now) {

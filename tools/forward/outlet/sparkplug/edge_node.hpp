@@ -8,10 +8,12 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "tools/forward/command/command_request.hpp"
 #include "tools/forward/outlet/mqtt/mqtt_client.hpp"
 #include "tools/forward/outlet/outlet.hpp"
 #include "tools/forward/outlet/sparkplug/sparkplug_payload.hpp"
@@ -24,8 +26,9 @@ class EdgeNode {
   EdgeNode(const SparkplugSpec& spec, const std::string& site,
            RecordDecoder::FindCatalogue catalogue);
 
-  // NDEATH for the next connection: each has its own birth and death number (bdSeq).
-  [[nodiscard]] MqttMessage will(UtcTime now);
+  // NDEATH for the next connection. `number`: of the connection, of which bdSeq has the last 8
+  // bits (6.4.25).
+  [[nodiscard]] MqttMessage will(std::uint64_t number, UtcTime now);
   // NDEATH of the present connection.
   [[nodiscard]] MqttMessage death(UtcTime now) const;
   // NBIRTH, and DBIRTH of all devices that are not dead.
@@ -34,6 +37,13 @@ class EdgeNode {
   // The messages of a record; there may be none. Begins with DBIRTH if the device needs one, and
   // ends with DDEATH if no channel of the device responds. Empty if the record cannot be decoded.
   [[nodiscard]] std::optional<std::vector<MqttMessage>> messages(const Record& record, UtcTime now);
+
+  // The writes that a host requests by DCMD, or why one is refused. `id` is the same for a repeated
+  // message.
+  using Write = tl::expected<CommandRequest, std::string>;
+  [[nodiscard]] std::vector<Write> writes(const MqttMessage& command) const;
+  // A write that has not begun so long after the time of its message is not run.
+  static constexpr Duration kCommandLife = std::chrono::seconds{10};
 
   [[nodiscard]] std::string command_topic() const { return node_topic("NCMD"); }
   // Commands to all devices.
@@ -65,6 +75,7 @@ class EdgeNode {
     std::vector<Channel> channels;
     std::unordered_map<std::string, std::size_t> index;  // by the channel's name
     bool is_born = false, is_dead = false;
+    UtcTime born_at{};
     // States that arrived before the catalogue, by channel and limit; at most kMostEarly.
     std::map<std::pair<std::string, std::size_t>, AlarmStatus> early_alarms;
   };
@@ -79,6 +90,8 @@ class EdgeNode {
   void set_catalogue(Device& device, const DeviceCatalogue& catalogue, std::uint64_t identity,
                      std::uint64_t record);
   void bear(Device& device, Messages& messages, UtcTime now);
+  [[nodiscard]] Write write_of(const Device& device, const HostCommand& command,
+                               const CommandMetric& metric) const;
 
   [[nodiscard]] std::optional<Messages> catalogue(const Record& record);
   [[nodiscard]] std::optional<Messages> samples(const Record& record, UtcTime now);
@@ -95,7 +108,7 @@ class EdgeNode {
   // Never change while this process runs.
   std::unordered_map<std::string, std::uint64_t> aliases_;
   std::uint8_t next_seq_ = 0;
-  std::optional<std::uint8_t> bd_seq_;  // empty: no connection yet
+  std::uint8_t bd_seq_ = 0;
 };
 
 }  // namespace fieldcast::forward

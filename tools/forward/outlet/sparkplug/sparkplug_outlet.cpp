@@ -6,6 +6,8 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/store/sql/sql.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/forward/outlet/undecodable.hpp"
 
 namespace fieldcast::forward {
@@ -13,19 +15,36 @@ namespace fieldcast::forward {
 namespace {
 
 constexpr const char* kSection = "sparkplug";
+constexpr std::size_t kShown = 256;  // bytes of a topic in the log
 
 std::string state_topic(const std::string& host) { return "spBv1.0/STATE/" + host; }
+
+void log_refused(const std::string& topic, std::string_view reason) {
+  log_counted(LogLevel::kWarning, kSection, "commands that were refused or failed",
+              fmt::format("{}: {}", printable(topic, kShown), reason));
+}
 
 }  // namespace
 
 SparkplugOutlet::SparkplugOutlet(const SparkplugSpec& spec, OutletContext context)
     : spec_(spec),
+      count_connection_(context.count_connection),
+      on_command_(spec.command_user.empty() ? nullptr : context.on_command),
       node_(spec, context.site, context.catalogue),
       session_(spec, kSection, context,
-               {.will = [this] { return node_.will(read_clocks().utc); },
+               {.will = [this] { return node_.will(next_number(), read_clocks().utc); },
                 .received = [this](const MqttMessage& message) { on_message(message); }}) {}
 
 SparkplugOutlet::~SparkplugOutlet() { session_.close(last_message(), true); }
+
+std::uint64_t SparkplugOutlet::next_number() {
+  try {
+    return number_ = count_connection_();
+  } catch (const StoreError& error) {
+    log_counted(LogLevel::kError, kSection, "faults of the queue", error.what());
+    return ++number_;
+  }
+}
 
 std::optional<MqttMessage> SparkplugOutlet::last_message() const {
   if (spec_.version == MqttVersion::k5) return std::nullopt;
@@ -107,29 +126,48 @@ std::vector<OutletResult> SparkplugOutlet::take_results() {
   return session_.take_results();
 }
 
+void SparkplugOutlet::on_state(const MqttMessage& message) {
+  const bool was_online = host_.is_online();
+  if (!host_.on_state(message.payload)) {
+    log_counted(LogLevel::kWarning, kSection, "unreadable states of the primary host",
+                "the state of the primary host is not the JSON of Sparkplug 3.0; ignored");
+  } else if (was_online != host_.is_online()) {
+    log_info(kSection, fmt::format("primary host {} is {}", spec_.primary_host,
+                                   host_.is_online() ? "online" : "offline"));
+  }
+}
+
 void SparkplugOutlet::on_message(const MqttMessage& message) {
-  if (!spec_.primary_host.empty() && message.topic == state_topic(spec_.primary_host)) {
-    const bool was_online = host_.is_online();
-    if (!host_.on_state(message.payload)) {
-      log_counted(LogLevel::kWarning, kSection, "unreadable states of the primary host",
-                  "the state of the primary host is not the JSON of Sparkplug 3.0; ignored");
-    } else if (was_online != host_.is_online()) {
-      log_info(kSection, fmt::format("primary host {} is {}", spec_.primary_host,
-                                     host_.is_online() ? "online" : "offline"));
-    }
-    return;
+  if (!spec_.primary_host.empty() && message.topic == state_topic(spec_.primary_host))
+    return on_state(message);
+  if (message.topic != node_.command_topic()) return on_device_command(message);
+  const auto command = decode_command(message.payload);
+  if (command && command->rebirth) {
+    log_counted(LogLevel::kInfo, kSection, "rebirths", "a host requests a rebirth");
+    rebirth_ = true;
   }
-  if (message.topic == node_.command_topic()) {
-    const auto command = decode_command(message.payload);
-    if (command && command->rebirth) {
-      log_counted(LogLevel::kInfo, kSection, "rebirths", "a host requests a rebirth");
-      rebirth_ = true;
+  if (!command || !command->metrics.empty())
+    log_refused(message.topic, "Node Control/Rebirth is the only command to an edge node");
+}
+
+// DCMD has no response: hosts see the new value in DDATA.
+void SparkplugOutlet::on_device_command(const MqttMessage& message) {
+  if (!on_command_)
+    return log_refused(message.topic,
+                       "MQTT does not name the user; see 'commands' of the forwarder");
+  for (EdgeNode::Write& write : node_.writes(message)) {
+    if (!write) {
+      log_refused(message.topic, write.error());
+      continue;
     }
-    if (command && command->refused.empty()) return;
+    on_command_({.user = write->user,
+                 .text = to_json(*write),
+                 .reply = [topic = message.topic](const std::string& text) {
+                   const auto response = command_response_from(text);
+                   if (response && response->reason.empty()) return;
+                   log_refused(topic, response ? response->reason : "unknown result");
+                 }});
   }
-  log_counted(LogLevel::kWarning, kSection, "refused commands",
-              fmt::format("{}: refused: MQTT does not name the user, so no commands are accepted",
-                          message.topic));
 }
 
 }  // namespace fieldcast::forward

@@ -25,11 +25,17 @@ class SparkplugOutlet final : public Outlet {
 
   [[nodiscard]] bool begin_connection(Instant now);
   [[nodiscard]] bool has_host(Instant now);
+  [[nodiscard]] std::uint64_t next_number();
   void on_message(const MqttMessage& message);
+  void on_state(const MqttMessage& message);
+  void on_device_command(const MqttMessage& message);
   // The last message before an orderly end: MQTT 5 publishes the will instead.
   [[nodiscard]] std::optional<MqttMessage> last_message() const;
 
   const SparkplugSpec spec_;
+  const std::function<std::uint64_t()> count_connection_;
+  const std::function<void(CentreRequest)> on_command_;
+  std::uint64_t number_ = 0;  // of the present or next connection
   EdgeNode node_;
   MqttSession session_;
   std::uint64_t connection_ = 0;  // number of the connection that is set up

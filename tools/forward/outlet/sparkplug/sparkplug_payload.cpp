@@ -13,7 +13,6 @@ using sparkplug::SparkplugPayload;
 using sparkplug::SparkplugPropertySet;
 
 constexpr std::uint32_t kInt32Type = 3, kDoubleType = 10, kBooleanType = 11, kStringType = 12;
-constexpr std::size_t kMostRefused = 16;
 
 // Times before 1970 are 0.
 std::uint64_t milliseconds_of(UtcTime time) {
@@ -63,13 +62,13 @@ void add_number(SparkplugPropertySet& set, const char* key, const std::optional<
   value.set_double_value(*number);
 }
 
-void add_channel(SparkplugPropertySet& set, const StationChannel& channel) {
+void add_channel(SparkplugPropertySet& set, const StationChannel& channel, bool is_writable) {
   add_text(set, "engUnit", channel.unit);
   add_text(set, "documentation", channel.description);
   set.add_keys("readOnly");
   auto& value = *set.add_values();
   value.set_type(kBooleanType);
-  value.set_boolean_value(true);  // commands are refused
+  value.set_boolean_value(!is_writable);
   add_number(set, "lowLow", channel.limits.low_low);
   add_number(set, "low", channel.limits.low);
   add_number(set, "high", channel.limits.high);
@@ -96,7 +95,8 @@ void fill(SparkplugMetric& out, const Metric& metric, bool is_birth) {
     value.set_type(kInt32Type);
     value.set_int_value(quality_code(*metric.quality));
   }
-  if (metric.channel != nullptr) add_channel(*out.mutable_properties(), *metric.channel);
+  if (metric.channel != nullptr)
+    add_channel(*out.mutable_properties(), *metric.channel, metric.is_writable);
 }
 
 }  // namespace
@@ -124,17 +124,58 @@ std::string encode_payload(const std::vector<Metric>& metrics, std::optional<std
   return payload.SerializeAsString();
 }
 
-std::optional<NodeCommand> decode_command(std::string_view payload) {
+namespace {
+
+// Keeps the bits of an integer: its sign follows from the type of the channel.
+std::optional<Value> raw_value_of(const SparkplugMetric& metric) {
+  if (metric.is_null()) return std::nullopt;
+  switch (metric.value_case()) {
+    case SparkplugMetric::kIntValue: return Value(std::uint64_t{metric.int_value()});
+    case SparkplugMetric::kLongValue: return Value(std::uint64_t{metric.long_value()});
+    case SparkplugMetric::kFloatValue: return Value(double{metric.float_value()});
+    case SparkplugMetric::kDoubleValue: return Value(metric.double_value());
+    case SparkplugMetric::kBooleanValue: return Value(metric.boolean_value());
+    case SparkplugMetric::kStringValue: return Value(metric.string_value());
+    case SparkplugMetric::VALUE_NOT_SET: break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string CommandMetric::text() const {
+  return name.empty() ? fmt::format("alias {}", alias.value_or(0)) : name;
+}
+
+std::optional<Value> value_of(const CommandMetric& metric, MetricType type) {
+  if (!metric.raw) return std::nullopt;
+  Value value = *metric.raw;
+  const bool is_unsigned =
+      type == MetricType::kUInt8 || type == MetricType::kUInt16 || type == MetricType::kUInt64;
+  if (const auto* bits = std::get_if<std::uint64_t>(&value); bits != nullptr && !is_unsigned)
+    value = metric.is_long ? static_cast<std::int64_t>(*bits)
+                           : std::int64_t{static_cast<std::int32_t>(*bits)};
+  const bool is_real = type == MetricType::kFloat && std::holds_alternative<double>(value);
+  return is_real || fits(type, value) ? std::optional(std::move(value)) : std::nullopt;
+}
+
+std::optional<HostCommand> decode_command(std::string_view payload) {
+  constexpr std::uint64_t kLatest = INT64_MAX / 1'000'000;
   SparkplugPayload decoded;
   if (!decoded.ParseFromArray(payload.data(), static_cast<int>(payload.size())))
     return std::nullopt;
-  NodeCommand command;
+  HostCommand command;
+  if (decoded.timestamp() <= kLatest)
+    command.at = {static_cast<std::int64_t>(decoded.timestamp()) * 1'000'000};
   for (const SparkplugMetric& metric : decoded.metrics()) {
     if (metric.name() == kRebirth) {
       command.rebirth |= metric.boolean_value();
-    } else if (command.refused.size() < kMostRefused) {
-      command.refused.push_back(metric.has_name() ? metric.name()
-                                                  : fmt::format("alias {}", metric.alias()));
+    } else if (command.metrics.size() < kMostCommanded) {
+      command.metrics.push_back(
+          {.name = metric.name(),
+           .alias = metric.has_alias() ? std::optional(metric.alias()) : std::nullopt,
+           .raw = raw_value_of(metric),
+           .is_long = metric.has_long_value()});
     }
   }
   return command;

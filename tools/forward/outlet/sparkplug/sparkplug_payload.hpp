@@ -26,6 +26,7 @@ struct Metric {
   std::optional<Quality> quality;         // empty: without the property
   bool is_historical = false;
   const StationChannel* channel = nullptr;  // of a birth: unit, limits, description as properties
+  bool is_writable = false;                 // of a birth
 };
 
 // 192 good, 500 stale (uncertain, or not read yet), 0 bad (6.4.7.1).
@@ -38,11 +39,25 @@ struct Metric {
                                          std::optional<std::uint8_t> seq, UtcTime now,
                                          bool is_birth);
 
-struct NodeCommand {
-  bool rebirth = false;
-  std::vector<std::string> refused;  // names of other metrics
+struct CommandMetric {
+  std::string name;  // empty: it has an alias
+  std::optional<std::uint64_t> alias;
+  std::optional<Value> raw;  // empty: null. An integer is unsigned
+  bool is_long = false;      // the integer has 64 bits
+
+  // The name or the alias.
+  [[nodiscard]] std::string text() const;
 };
-// Of NCMD. Empty if it cannot be decoded.
-[[nodiscard]] std::optional<NodeCommand> decode_command(std::string_view payload);
+// Empty if the metric has no value of this type.
+[[nodiscard]] std::optional<Value> value_of(const CommandMetric& metric, MetricType type);
+
+struct HostCommand {
+  UtcTime at;  // by the clock of the host; 0: it has no time
+  bool rebirth = false;
+  std::vector<CommandMetric> metrics;  // without the rebirth; at most kMostCommanded
+};
+inline constexpr std::size_t kMostCommanded = 64;
+// Of NCMD or DCMD. Untrusted. Empty if it cannot be decoded.
+[[nodiscard]] std::optional<HostCommand> decode_command(std::string_view payload);
 
 }  // namespace fieldcast::forward

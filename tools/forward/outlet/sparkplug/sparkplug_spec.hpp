@@ -13,6 +13,7 @@ struct SparkplugSpec : MqttServers {
   std::string edge_node;     // empty: the name of the site
   std::string primary_host;  // records wait while this host is offline; empty: they never wait
   std::uint32_t qos = 0;     // of messages with data
+  std::string command_user;  // as whom commands of hosts are carried out; empty: they are refused
   friend bool operator==(const SparkplugSpec&, const SparkplugSpec&) = default;
 };
 

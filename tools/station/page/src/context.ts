@@ -18,6 +18,7 @@ export interface Context {
   me: Me;
   route: Route;
   now(): number;  // the station's clock, Unix ms
+  refusal(path: string): 'channel.needs-operator' | 'channel.no-commands' | undefined;  // why this user cannot write and read this channel now
   mayOperate(): boolean;  // the role allows writing and acknowledging
   mayEngineer(): boolean;  // the role allows changing configurations and dashboards
   go(address: string): void;  // '#/live'

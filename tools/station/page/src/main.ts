@@ -66,6 +66,8 @@ function context(of: Route): Context {
   return {
     plant, live: connection, route: of, me: me!,
     now: () => connection.now(),
+    refusal: (path) => !me?.role || me.role === 'viewer' ? 'channel.needs-operator' :
+      plant.sites.has(path.split(':')[0]!) && !plant.stream?.commands ? 'channel.no-commands' : undefined,
     mayOperate: () => !!me?.role && me.role !== 'viewer',
     mayEngineer: () => me?.role === 'engineer',
     go: (address) => { location.hash = address; },

@@ -193,6 +193,7 @@ export interface Site {
 export interface Stream {
   connected: boolean;
   reason: string;
+  commands: boolean;
 }
 
 export interface Result {

@@ -38,6 +38,7 @@ export const texts = {
   'channel.out-of-range': ['The value must be {range}.', '该值必须在 {range} 之间。'], 'channel.waiting': ['waiting …', '等待中…'],
   'channel.history': ['Open in History', '在历史中打开'],
   'channel.needs-operator': ['Writing needs the role operator.', '写入需要操作员角色。'],
+  'channel.no-commands': ['This station sends no commands to this site.', '此监控站不向该站点发送命令。'],
   'channel.follow': ['Back to now', '回到当前'],
 } as const;
 
@@ -93,6 +94,7 @@ class ChannelPage implements Page {
         empty(t('channel.unknown', { path: this.path }), t('channel.unknown-hint'))}`, this.element);
       return;
     }
+    if (change.topics.has('sites')) this.drawCommands();
     if (this.arrived || change.second) this.drawFacts();
     if (this.chart && !this.zoom && (this.arrived || change.second)) this.drawChart();
     this.arrived = false;
@@ -254,11 +256,11 @@ class ChannelPage implements Page {
   private drawCommands(): void {
     const channel = this.channel!;
     const writable = channel.access !== 'read-only';
-    const operator = this.context.mayOperate();
+    const refusal = this.context.refusal(this.path);
     const low = channel.limits['write-min'], high = channel.limits['write-max'];
     const range = low !== undefined || high !== undefined ? t('channel.range', { min: low ?? '…', max: high ?? '…' }) : '';
     render(html`
-      ${writable && operator ? html`<form class="tools" @submit=${this.submit}>
+      ${writable && !refusal ? html`<form class="tools" @submit=${this.submit}>
           <label for="new-value">${t('channel.new-value')}</label>
           ${channel.type === 'bool' ? html`<select id="new-value" name="value"><option>true</option><option>false</option></select>` :
             html`<input id="new-value" name="value" required autocomplete="off" spellcheck="false" inputmode=${channel.type.startsWith('string') ? 'text' : 'decimal'}
@@ -267,8 +269,8 @@ class ChannelPage implements Page {
           ${channel.access === 'read-write' ? html`<label><input type="checkbox" name="verify" checked>${t('channel.verify')}</label>` : nothing}
           <button class="primary">${t('channel.write')}</button>
           <span id="write-hint" class=${this.fault ? 'warn' : 'muted'} role="alert">${this.fault || range}</span>
-        </form>` : writable ? html`<p class="muted">${t('channel.needs-operator')}</p>` : nothing}
-      ${operator && channel.access !== 'write-only' ? html`<button type="button" @click=${this.acquire}>${t('channel.read-now')}</button>` : nothing}
+        </form>` : writable ? html`<p class="muted">${t(refusal!)}</p>` : nothing}
+      ${!refusal && channel.access !== 'write-only' ? html`<button type="button" @click=${this.acquire}>${t('channel.read-now')}</button>` : nothing}
       <ul class="outcomes" aria-label=${t('channel.results')} aria-live="polite">${this.outcomes.map((outcome) =>
         html`<li class=${outcome.bad ? 'bad' : ''}><span class="muted">${clock(outcome.at_ms)}</span> <b>${outcome.what}</b> ${outcome.bad ? '▲ ' : ''}${outcome.text}</li>`)}</ul>`,
     this.commands);

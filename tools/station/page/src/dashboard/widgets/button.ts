@@ -17,11 +17,11 @@ export class ButtonWidget extends WidgetView {
   constructor(host: Host, widget: Widget) { super(host, widget, [widget['channel'] as string]); }
 
   protected draw([reading]: readonly Reading[]): void {
-    const operator = this.context.mayOperate(), writable = reading!.channel !== undefined && reading!.channel.access !== 'read-only';
-    render(html`<button type="button" class="primary w-command" ?disabled=${!operator || !writable || this.pending} @click=${this.press}>${this.widget['text']}</button>
+    const refusal = this.context.refusal(this.widget['channel'] as string), writable = reading!.channel !== undefined && reading!.channel.access !== 'read-only';
+    render(html`<button type="button" class="primary w-command" ?disabled=${refusal || !writable || this.pending} @click=${this.press}>${this.widget['text']}</button>
       <p class="w-now">${valueText(reading!)}</p>
       <p class="w-outcome" role="status">${this.pending ? t('channel.waiting') : this.outcome ? html`<span class=${this.outcome.bad ? 'bad-text' : ''}>${
-        this.outcome.bad ? '▲ ' : ''}${this.outcome.text}</span>` : operator ? nothing : t('channel.needs-operator')}</p>`, this.body);
+        this.outcome.bad ? '▲ ' : ''}${this.outcome.text}</span>` : refusal ? t(refusal) : nothing}</p>`, this.body);
   }
 
   private readonly press = async (): Promise<void> => {

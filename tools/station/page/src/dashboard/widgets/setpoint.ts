@@ -18,7 +18,7 @@ export class SetpointWidget extends WidgetView {
 
   protected draw([reading]: readonly Reading[]): void {
     const channel = reading!.channel;
-    const may = this.context.mayOperate() && channel !== undefined && channel.access !== 'read-only';
+    const refusal = this.context.refusal(this.widget['channel'] as string), may = !refusal && channel !== undefined && channel.access !== 'read-only';
     const low = channel?.limits['write-min'], high = channel?.limits['write-max'];
     const range = low !== undefined || high !== undefined ? t('channel.range', { min: low ?? '…', max: high ?? '…' }) : '';
     render(html`<p class="w-now"><b>${valueText(reading!)}</b></p>
@@ -28,7 +28,7 @@ export class SetpointWidget extends WidgetView {
             inputmode=${channel.type.startsWith('string') ? 'text' : 'decimal'}>`}
         <button class="primary">${t('channel.write')}</button></form>` : nothing}
       <p class="w-outcome" role="status">${this.outcome ? html`<span class=${this.outcome.bad ? 'bad-text' : ''}>${this.outcome.bad ? '▲ ' : ''}${this.outcome.text}</span>` :
-        this.context.mayOperate() ? nothing : t('channel.needs-operator')}</p>`, this.body);
+        refusal ? t(refusal) : nothing}</p>`, this.body);
   }
 
   private readonly submit = async (event: Event): Promise<void> => {
