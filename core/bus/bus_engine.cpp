@@ -159,6 +159,11 @@ void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
 void BusEngine::handle(const TimerFired&, Instant, ActionSink&) { timer_ = kNever; }
 
 void BusEngine::handle(const CommandArrived& event, Instant now, ActionSink& sink) {
+  if (event.command.ad_hoc) {
+    if (auto admitted = parts_.admit(event.command, now); !admitted)
+      return sink.push(Complete{rejection(event.command, admitted.error().cause,
+                                          std::move(admitted.error().reason), now)});
+  }
   const auto device = parts_.setup.find(event.command.device);
   parts_.commands.accept(event.command, {state_, device && parts_.devices.offline(*device)}, now,
                          sink);

@@ -31,6 +31,34 @@ std::string command_text(const Command& command, std::size_t batch) {
 
 }  // namespace
 
+tl::expected<void, CommandFault> BusParts::admit(const Command& command, Instant now) {
+  const auto fault = [](Cause cause, std::string reason) {
+    return tl::make_unexpected(CommandFault{cause, std::move(reason)});
+  };
+  const auto* const target = std::get_if<ChannelTarget>(&command.target);
+  if (command.operation != Operation::kAcquire || target == nullptr || target->name.empty())
+    return fault(Cause::kUnsupported, "only single channels of such a device can be read");
+  const DeviceSpec& device = *command.ad_hoc;
+  if (setup.find_ad_hoc(device)) return {};
+  if (auto reason = setup.why_not_ad_hoc(device))
+    return fault(Cause::kUnsupported, std::move(*reason));
+  late.expire(now);
+  std::optional<DeviceIndex> free;
+  for (auto index = static_cast<DeviceIndex>(setup.devices()); index < setup.slots(); ++index) {
+    const bool busy = commands.uses(index) || late.owes(index);
+    const bool same = setup.protocols()[index] && same_address(setup.device(index), device);
+    if (busy && same)
+      return fault(Cause::kQueueFull, "an earlier request to this address is still pending");
+    if (!busy && (!free || same)) free = index;
+  }
+  if (!free) return fault(Cause::kQueueFull, "requests to other devices are still pending");
+  if (!setup.set_ad_hoc(*free, device))
+    return fault(Cause::kBadAddress, "the protocol does not have this address");
+  devices.replaced(*free);
+  late.replaced(*free);
+  return {};
+}
+
 std::string flight_text(const BusParts& parts, const Flight& flight) {
   const DeviceIndex device = flight.asked.device;
   std::string why;

@@ -34,7 +34,7 @@ struct BusParts {
     wire_ = &wires.front();
   }
 
-  const BusSetup setup;
+  BusSetup setup;  // changes only in admit()
   ChannelTable channels;
   CommandQueue commands;
   ReadPath reads;
@@ -45,6 +45,9 @@ struct BusParts {
   WireFence fence;
   UnsolicitedListener listener;
   FlightLimit in_flight;
+
+  // Gives the ad-hoc device of a command an index. Fails if it could disturb the bus.
+  [[nodiscard]] tl::expected<void, CommandFault> admit(const Command& command, Instant now);
 
   // The wire whose exchange begins or ends.
   [[nodiscard]] Wire& wire() { return *wire_; }

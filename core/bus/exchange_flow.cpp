@@ -22,7 +22,7 @@ std::optional<Bytes> Arbiter::next(Instant now) {
   if (!parts_.wire().waiting()) {
     auto flight = choose(now);
     if (!flight) return std::nullopt;
-    command_was_last_ = flight->is_command() && !flight->gateway_read;
+    command_was_last_ = flight->is_command() && !flight->spare_time;
     parts_.wire().launch(std::move(*flight));
   }
   return send(now);
@@ -58,8 +58,8 @@ std::optional<Flight> Arbiter::choose_command(Instant now) {
     command.kind = Flight::Kind::kCommand;
     command.asked = {next->device, std::move(next->request), {}, {}};
     command.batch = next->batch;
-    command.gateway_read = commands_.first()->is_gateway_read();
-    if (command.gateway_read && gateway_share_ > 0)
+    command.spare_time = commands_.first()->in_spare_time();
+    if (commands_.first()->is_gateway_read() && gateway_share_ > 0)
       gateway_due_ = now + from_seconds(to_seconds(wire_use(next->device, command.asked.request)) /
                                         gateway_share_);
     return command;
@@ -110,7 +110,7 @@ Instant Arbiter::admit_deferred(Instant now) {
 
 Instant Arbiter::sendable_from(const CommandJob& job) {
   Instant from = devices_.paused_until(job.device());
-  if (job.command().is_gateway_read() && !job.started()) from = std::max(from, gateway_from(job));
+  if (job.command().in_spare_time() && !job.started()) from = std::max(from, spare_from(job));
   if (late_.none_owed()) return from;
   const auto request = job.next();
   if (!request) return from;
@@ -123,12 +123,12 @@ Duration Arbiter::wire_use(DeviceIndex device, const Request& request) const {
   return devices_.longest_exchange(device, request) / parts_.in_flight.now();
 }
 
-Instant Arbiter::gateway_from(const CommandJob& job) {
+Instant Arbiter::spare_from(const CommandJob& job) {
   const Duration use = wire_use(job.device(), *job.next());
   if (use > fits_ && use < fits_not_)
     (reads_.has_headroom(deciding_, use) ? fits_ : fits_not_) = use;
   if (use <= fits_) return kLongAgo;
-  return gateway_share_ > 0 ? gateway_due_ : kNever;
+  return job.command().is_gateway_read() && gateway_share_ > 0 ? gateway_due_ : kNever;
 }
 
 Bytes Arbiter::send(Instant now) {
@@ -146,6 +146,7 @@ Bytes Arbiter::send(Instant now) {
 }
 
 void Arbiter::suspend(DeviceIndex device, Instant now) {
+  if (parts_.setup.is_ad_hoc(device)) return;
   if (const auto until = devices_.suspension(device, now)) reads_.suspend(device, *until);
 }
 
@@ -171,7 +172,7 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool dropped =
       !ended.responded && parts_.wires.size() > 1 && devices_.rest_before(device, now) < waited;
   if (ended.responded) parts_.in_flight.responded();
-  if (dropped && !parts_.wire().flight().gateway_read) parts_.in_flight.missed();
+  if (dropped && !parts_.wire().flight().spare_time) parts_.in_flight.missed();
   note_try(ended, now, sink);
   if (!done && may_repeat(ended.cause)) {
     devices_.repeated(device);
@@ -183,7 +184,7 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool busy = ended.cause == Cause::kDeviceBusy;
   if (ended.responded && !busy) devices_.responded(device, sink);
   deliver(flight, ended, now, sink);
-  const bool lost = (!ended.responded || busy) && !dropped && !flight.gateway_read &&
+  const bool lost = (!ended.responded || busy) && !dropped && !flight.spare_time &&
                     device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
   // All devices of this connection are silent: the connection itself may be dead.
@@ -203,7 +204,7 @@ void OutcomeRouter::learn(const Flight& flight) {
   const Request& request = flight.asked.request;
   const Duration response_time = parts_.wire().driver().response_time();
   devices_.learn(device, request, response_time);
-  if (std::holds_alternative<ReadRequest>(request))
+  if (std::holds_alternative<ReadRequest>(request) && !setup_.is_ad_hoc(device))
     reads_.learn(device, area_of(request), parts_.in_flight.planned(response_time));
 }
 
@@ -218,7 +219,7 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
   } else {
     late_.timed_out(flight.asked, flight.block, longest, driver, now);
   }
-  if (flight.gateway_read) {
+  if (flight.spare_time) {
     devices_.gateway_read_ended(device, ended.responded ? Cause::kNone : ended.cause, now);
     if (!ended.responded) return causes_.add(ended.cause);
   }
@@ -239,7 +240,7 @@ bool OutcomeRouter::may_repeat(Cause cause) const {
     return false;
   const Flight& flight = parts_.wire().flight();
   const DeviceIndex device = flight.asked.device;
-  return flight.kind != Flight::Kind::kProbe && !flight.gateway_read &&
+  return flight.kind != Flight::Kind::kProbe && !flight.spare_time &&
          std::holds_alternative<ReadRequest>(flight.asked.request) &&
          flight.tries < setup_.device(device).retries &&
          (flight.is_command() || !devices_.sick(device));
@@ -272,8 +273,8 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
 
 void OutcomeRouter::share(const Flight& flight, const Wire::Ended& ended, Instant now,
                           ActionSink& sink) {
-  if (!setup_.spec().gateway) return;
   const DeviceIndex device = flight.asked.device;
+  if (!setup_.spec().gateway || setup_.is_ad_hoc(device)) return;
   const auto* read = std::get_if<ReadRequest>(&flight.asked.request);
   if (read == nullptr) return commands_.written(device);
   if (!ended.done) return;

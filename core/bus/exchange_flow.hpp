@@ -3,8 +3,8 @@
 //   - A repeated exchange is sent first.
 //   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
 //   - A started command keeps the wire during its device's pause, unless the pause is long.
-//   - A read of the gateway is sent if a rehearsal shows that the next reads of the plan are in
-//     time after it, or if the gateway has used less than its share.
+//   - A read in spare time is sent if a rehearsal shows that the next reads of the plan are in time
+//     after it. A read of the gateway is also sent if the gateway has used less than its share.
 //   - Probes, and reads of unhealthy devices, use spare time of the wire.
 #pragma once
 
@@ -46,9 +46,9 @@ class Arbiter {
   [[nodiscard]] std::optional<Flight> choose_read(Instant now);
   [[nodiscard]] Instant admit_deferred(Instant now);
   [[nodiscard]] Instant sendable_from(const CommandJob& job);
-  // When a gateway's read may be sent. kNever: not before the next exchange has ended, as the
+  // When a read in spare time may be sent. kNever: not before the next exchange has ended, as the
   // headroom only shrinks until then.
-  [[nodiscard]] Instant gateway_from(const CommandJob& job);
+  [[nodiscard]] Instant spare_from(const CommandJob& job);
   [[nodiscard]] Duration wire_use(DeviceIndex device, const Request& request) const;
   [[nodiscard]] Bytes send(Instant now);
 

@@ -14,6 +14,7 @@ CommandResult refusal(const Command& command, CommandState state, Cause cause, s
   result.started = result.completed = now;
   result.gateway = command.gateway;
   result.gateway_read = command.is_gateway_read();
+  result.ad_hoc = command.ad_hoc != nullptr;
   return result;
 }
 

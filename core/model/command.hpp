@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,6 +19,8 @@ inline constexpr std::uint32_t kMaxRawValues = 1000;
 inline constexpr std::uint32_t kMaxGatewayValues = 2000;
 
 enum class Operation : std::uint8_t { kWrite, kAcquire };
+
+struct DeviceSpec;
 
 struct ChannelTarget {
   std::string name;  // empty with kAcquire: every channel of the device
@@ -47,9 +50,14 @@ struct Command {
   bool gateway = false;      // of a Modbus TCP client, see GatewaySpec
   // A stored response of the device that is at most this old also completes a gateway's read.
   Duration max_age{};
+  // kAcquire of one channel of a device that is not configured; `device` is not used. Null for a
+  // configured device.
+  std::shared_ptr<const DeviceSpec> ad_hoc = nullptr;
 
-  // Uses the wire only between the reads of the plan, and needs no `allow: raw-read`.
+  // Needs no `allow: raw-read`.
   [[nodiscard]] bool is_gateway_read() const { return gateway && operation == Operation::kAcquire; }
+  // Uses the wire only between the reads of the plan.
+  [[nodiscard]] bool in_spare_time() const { return is_gateway_read() || ad_hoc != nullptr; }
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };
@@ -67,6 +75,7 @@ struct CommandResult {
   Instant received{}, started{}, completed{};
   bool gateway = false;       // of a command of the gateway
   bool gateway_read = false;  // of Command::is_gateway_read()
+  bool ad_hoc = false;        // of a command with Command::ad_hoc
 };
 
 // `state`: kRejected, or kExpired for a late command. `reason`: one human-readable line.

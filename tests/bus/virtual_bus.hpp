@@ -35,7 +35,9 @@ class VirtualBus {
   }
   void unplug();
   void plug();
-  void stop();            // sends StopRequested
+  void stop();  // sends StopRequested
+  // A new engine with the first devices of the plant.
+  void configure(const BusSpec& spec) { bus_.replace_engine(spec, Duration::zero()); }
   void watch_from_now();  // resets gaps and counters
 
   // Called for each good sample; returns an error text, empty if the sample is correct.

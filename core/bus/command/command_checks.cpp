@@ -86,6 +86,7 @@ tl::expected<CommandJob, CommandFault> CommandJob::make(const Command& command,
   const auto found = named ? job.find_channels(device, named->name, first_channel)
                            : job.find_address(device, std::get<AddressTarget>(command.target));
   if (!found) return tl::make_unexpected(found.error());
+  if (command.ad_hoc) job.subjects_.front().channel.reset();
   const ChannelSpec* channel = nullptr;
   if (job.subjects_.size() == 1 && job.subjects_[0].channel)
     channel = &device.channels[*job.subjects_[0].channel - first_channel];

@@ -245,7 +245,8 @@ CommandResult CommandJob::result(Instant received, Instant completed) const {
                        started_.value_or(completed),
                        completed,
                        command_.gateway,
-                       command_.is_gateway_read()};
+                       command_.is_gateway_read(),
+                       command_.ad_hoc != nullptr};
   for (const CommandSubject& subject : subjects_) {
     const ByteView items = items_of(subject);
     if (items.empty()) continue;

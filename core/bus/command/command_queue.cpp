@@ -65,7 +65,7 @@ void CommandQueue::accept(const Command& command, const Condition& condition, In
   if (owner.commands++ == 0) ++turn_;
   owner.bytes += bytes_of(command);
   bytes_ += bytes_of(command);
-  if (!command.is_gateway_read()) ++alone_;
+  if (!command.in_spare_time()) ++alone_;
   waiting_.push_back({std::move(*job), now, &owner});
 }
 
@@ -108,7 +108,7 @@ std::deque<CommandQueue::Waiting>::iterator CommandQueue::newest_of_most(bool by
 void CommandQueue::left(const Waiting& waiting) {
   const Command& command = waiting.job.command();
   bytes_ -= bytes_of(command);
-  if (!command.is_gateway_read()) --alone_;
+  if (!command.in_spare_time()) --alone_;
   waiting.owner->bytes -= bytes_of(command);
   if (--waiting.owner->commands == 0) owners_.erase(command.requester);
 }
@@ -116,13 +116,15 @@ void CommandQueue::left(const Waiting& waiting) {
 tl::expected<CommandJob, CommandFault> CommandQueue::check(const Command& command,
                                                            const Condition& condition,
                                                            Instant now) const {
-  const auto device = setup_.find(command.device);
+  const auto device =
+      command.ad_hoc ? setup_.find_ad_hoc(*command.ad_hoc) : setup_.find(command.device);
   if (!device)
     return tl::make_unexpected(
         CommandFault{Cause::kUnknownDevice,
                      "bus '" + setup_.spec().name + "' has no device '" + command.device + "'"});
   if (command.expires <= now) return tl::make_unexpected(fault(Cause::kExpired));
-  auto job = CommandJob::make(command, setup_.device(*device), *device, channels_.first_of(*device),
+  const ChannelIndex first = command.ad_hoc ? 0 : channels_.first_of(*device);
+  auto job = CommandJob::make(command, setup_.device(*device), *device, first,
                               setup_.protocol(*device), codec_);
   if (!job) return job;
   if (auto found = obstacle(*job, condition, now)) return tl::make_unexpected(std::move(*found));
@@ -180,7 +182,7 @@ std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& ga
 std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant now,
                                                                        const Gate& gate) {
   const auto turn = [](const Waiting& waiting) {
-    return std::pair(waiting.job.command().is_gateway_read(), waiting.owner->turn);
+    return std::pair(waiting.job.command().in_spare_time(), waiting.owner->turn);
   };
   auto next = waiting_.end();
   for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
@@ -270,7 +272,7 @@ void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, Acti
     std::vector<Sample> samples;
     for (const CommandJob::Acquired& read : each.job.acquired())
       channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
-    if (!each.job.command().is_gateway_read()) ++done_;
+    if (!each.job.command().in_spare_time()) ++done_;
     sink.push(Complete{each.job.result(each.received, now)});
     sink.publish(std::move(samples));
     left(each);
@@ -319,6 +321,11 @@ void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant no
   bytes_ = 0;
   alone_ = 0;
   begun_ = false;
+}
+
+bool CommandQueue::uses(DeviceIndex device) const {
+  return std::ranges::any_of(
+      waiting_, [&](const Waiting& waiting) { return waiting.job.device() == device; });
 }
 
 Instant CommandQueue::sendable_from(const Gate& gate) const {

@@ -1,8 +1,8 @@
 // The commands of one bus, one on the wire at a time, each completed with exactly one result.
 // Requesters are served in turn; each requester's commands keep their order. Queue and shares are
-// limited; a full queue rejects the requester with the most commands (kQueueFull). Reads of the
-// gateway are served after all other commands, and by each response of the device that contains
-// their items. On the bus's thread.
+// limited; a full queue rejects the requester with the most commands (kQueueFull). Reads in spare
+// time are served after all other commands; those of the gateway also by each response of the
+// device that contains their items. On the bus's thread.
 #pragma once
 
 #include <deque>
@@ -65,7 +65,9 @@ class CommandQueue {
   void refuse_all(Cause cause, const std::string& reason, Instant now, ActionSink& sink);
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
-  // Whether any command is no read of the gateway: no other request may be in flight with it.
+  // Whether a waiting command is for this device.
+  [[nodiscard]] bool uses(DeviceIndex device) const;
+  // Whether any command is no read in spare time: no other request may be in flight with it.
   [[nodiscard]] bool alone() const { return alone_ > 0; }
   [[nodiscard]] const Command* first() const {
     return waiting_.empty() ? nullptr : &waiting_.front().job.command();
@@ -109,7 +111,7 @@ class CommandQueue {
   std::deque<Waiting> waiting_;  // in order of arrival; a started command is first
   std::map<std::string, Owner, std::less<>> owners_;
   std::size_t bytes_ = 0;
-  std::size_t alone_ = 0;  // commands that are no reads of the gateway
+  std::size_t alone_ = 0;  // commands that are no reads in spare time
   std::uint64_t turn_ = 0;
   std::vector<Instant> last_write_;
   bool begun_ = false;

@@ -6,12 +6,17 @@ namespace fieldcast {
 
 DeviceMonitor::DeviceMonitor(const BusSetup& setup, std::vector<std::optional<Range>> probed)
     : setup_(setup), probed_(std::move(probed)) {
-  for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
-    const Duration timeout = setup_.device(index).timeout;
-    const ResponseTime unknown(timeout, std::max(setup_.spec().gap_allowance, timeout / 4));
-    devices_.emplace_back(unknown);
-    devices_.back().area_times.assign(setup_.protocol(index).areas().size(), unknown);
-  }
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index)
+    devices_.push_back(unknown_device(index));
+  devices_.resize(setup_.slots(), Device(ResponseTime({}, {})));
+}
+
+DeviceMonitor::Device DeviceMonitor::unknown_device(DeviceIndex index) const {
+  const Duration timeout = setup_.device(index).timeout;
+  const ResponseTime unknown(timeout, std::max(setup_.spec().gap_allowance, timeout / 4));
+  Device device(unknown);
+  device.area_times.assign(setup_.protocol(index).areas().size(), unknown);
+  return device;
 }
 
 void DeviceMonitor::Device::forget() {
@@ -67,6 +72,10 @@ void DeviceMonitor::gateway_read_ended(DeviceIndex index, Cause cause, Instant n
 Duration DeviceMonitor::longest_exchange(DeviceIndex index, const Request& request) const {
   const Device& device = devices_[index];
   const ResponseTime& time = device.response_time;
+  // An ad-hoc device may do anything, also send a broken response to the last moment.
+  if (setup_.is_ad_hoc(index))
+    return setup_.wire_time(index, request) + setup_.silence() + setup_.device(index).pause +
+           setup_.device(index).timeout + 2 * setup_.spec().gap_allowance;
   const bool known = time.known() && !device.sick() && !device.gateway_read_failed;
   return setup_.wire_time(index, request) + setup_.silence() + setup_.device(index).pause +
          (known ? std::min(time.longest(), time.mean() + 4 * time.spread())
@@ -142,7 +151,8 @@ bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSi
 }
 
 bool DeviceMonitor::all_offline() const {
-  return std::all_of(devices_.begin(), devices_.end(),
+  const auto end = devices_.begin() + static_cast<std::ptrdiff_t>(setup_.devices());
+  return std::all_of(devices_.begin(), end,
                      [](const Device& device) { return device.health.offline(); });
 }
 
@@ -157,7 +167,7 @@ Instant DeviceMonitor::admit_deferred(Instant now, const Slack& slack,
                                       std::vector<DeviceIndex>& admitted) {
   Instant next = kNever;
   std::optional<Duration> spare;
-  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
     Device& device = devices_[index];
     if (device.deferred_until == kLongAgo) continue;
     if (!spare) spare = slack();
@@ -182,7 +192,7 @@ std::optional<Instant> DeviceMonitor::suspension(DeviceIndex index, Instant now)
 
 std::optional<DeviceMonitor::Probe> DeviceMonitor::probe(Instant now, const Gate& gate,
                                                          const Slack& slack) {
-  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
     Device& device = devices_[index];
     if (!device.health.offline() || next_probe_of(index) > now) continue;
     const Request request = ReadRequest{{*probed_[index]}};
@@ -200,7 +210,7 @@ std::optional<DeviceMonitor::Probe> DeviceMonitor::probe(Instant now, const Gate
 std::optional<DeviceMonitor::Probe> DeviceMonitor::sign(Instant now, const Gate& gate) const {
   std::optional<Probe> best;
   bool best_is_sick = true;
-  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
     const Device& device = devices_[index];
     if (!probed_[index] || device.health.offline() || device.paused_until > now) continue;
     Request request = ReadRequest{{*probed_[index]}};
@@ -238,7 +248,7 @@ Instant DeviceMonitor::next_probe_of(DeviceIndex index) const {
 
 Instant DeviceMonitor::next_probe() const {
   Instant next = kNever;
-  for (DeviceIndex index = 0; index < devices_.size(); ++index)
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index)
     next = std::min(next, next_probe_of(index));
   return next;
 }

@@ -68,6 +68,8 @@ class DeviceMonitor {
   void gateway_read_ended(DeviceIndex device, Cause cause, Instant now);
   // Time on the wire with the silence after it; with a timeout if the device may not respond.
   [[nodiscard]] Duration longest_exchange(DeviceIndex device, const Request& request) const;
+  // Another ad-hoc device has the index now: discards learned values.
+  void replaced(DeviceIndex device) { devices_[device] = unknown_device(device); }
 
   // A valid response or a refusal, but not Cause::kDeviceBusy.
   void responded(DeviceIndex device, ActionSink& sink);
@@ -128,6 +130,7 @@ class DeviceMonitor {
     [[nodiscard]] bool sick() const { return failure_share > 0.2; }
     void forget();
   };
+  [[nodiscard]] Device unknown_device(DeviceIndex device) const;
   void judge_garbage(const Try& ended, bool responded, ActionSink& sink);
   [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
   [[nodiscard]] std::optional<Duration> probe_timeout(DeviceIndex device, const Request& request,
@@ -135,7 +138,7 @@ class DeviceMonitor {
 
   const BusSetup& setup_;
   std::vector<std::optional<Range>> probed_;
-  std::vector<Device> devices_;
+  std::vector<Device> devices_;  // behind the configured ones, the ad-hoc devices
   bool anybody_responded_ = false;
 };
 

@@ -21,6 +21,45 @@ BusSetup::BusSetup(const BusSpec& spec)
     names_.emplace(device.name, static_cast<DeviceIndex>(protocols_.size()));
     protocols_.push_back(std::move(*protocol));
   }
+  ad_hoc_.resize(kMostAdHoc);
+  protocols_.resize(slots());
+}
+
+bool same_address(const DeviceSpec& a, const DeviceSpec& b) {
+  return a.protocol == b.protocol && a.link.address == b.link.address &&
+         a.link.long_address == b.link.long_address;
+}
+
+std::optional<DeviceIndex> BusSetup::find_ad_hoc(const DeviceSpec& device) const {
+  for (auto index = static_cast<DeviceIndex>(devices()); index < slots(); ++index) {
+    if (protocols_[index] && this->device(index) == device) return index;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> BusSetup::why_not_ad_hoc(const DeviceSpec& device) const {
+  bool is_spoken = false;
+  for (DeviceIndex index = 0; index < devices(); ++index) {
+    const DeviceSpec& configured = spec_.devices[index];
+    if (same_address(configured, device))
+      return "its address is that of the device '" + configured.name + "' of this bus";
+    const ProtocolEntry* const entry = find_protocol(configured.protocol);
+    if ((entry != nullptr && entry->one_device) ||
+        protocol(index).traits().identity == ResponseIdentity::kNone)
+      return "the protocol " + configured.protocol + " allows only one device on its bus";
+    is_spoken = is_spoken || (configured.protocol == device.protocol &&
+                              configured.declaration == device.declaration);
+  }
+  if (!is_spoken) return "no device of this bus has the protocol " + device.protocol;
+  return std::nullopt;
+}
+
+bool BusSetup::set_ad_hoc(DeviceIndex index, const DeviceSpec& device) {
+  auto protocol = make_protocol(device, line_);
+  if (!protocol) return false;
+  protocols_[index] = std::move(*protocol);
+  ad_hoc_[index - devices()] = device;
+  return true;
 }
 
 bool BusSetup::plain_tcp() const {

@@ -1,4 +1,5 @@
-// Immutable data of a bus engine, which owns it; the parts keep references. On the bus's thread.
+// Data of a bus engine, which owns it; the parts keep references. Only the ad-hoc devices change.
+// On the bus's thread.
 #pragma once
 
 #include <memory>
@@ -37,15 +38,31 @@ class BusSetup {
   }
 
   [[nodiscard]] std::size_t devices() const { return spec_.devices.size(); }
-  [[nodiscard]] const DeviceSpec& device(DeviceIndex device) const { return spec_.devices[device]; }
+  [[nodiscard]] const DeviceSpec& device(DeviceIndex device) const {
+    return is_ad_hoc(device) ? ad_hoc_[device - devices()] : spec_.devices[device];
+  }
   [[nodiscard]] const Protocol& protocol(DeviceIndex device) const { return *protocols_[device]; }
   [[nodiscard]] const Area& area(DeviceIndex device, AreaIndex area) const {
     return protocol(device).areas()[area];
   }
+  // Null for an index without an ad-hoc device.
   [[nodiscard]] const std::vector<std::shared_ptr<const Protocol>>& protocols() const {
     return protocols_;
   }
   [[nodiscard]] std::optional<DeviceIndex> find(std::string_view name) const;
+
+  // Devices that are not configured, and are read by commands (Command::ad_hoc). Their indices
+  // follow those of the configured devices, up to slots(). The number is enough for a search of
+  // silent addresses, as a late response is possible for three timeouts.
+  static constexpr std::size_t kMostAdHoc = 8;
+  [[nodiscard]] std::size_t slots() const { return devices() + kMostAdHoc; }
+  [[nodiscard]] bool is_ad_hoc(DeviceIndex device) const { return device >= devices(); }
+  [[nodiscard]] std::optional<DeviceIndex> find_ad_hoc(const DeviceSpec& device) const;
+  // Why a request to the device could disturb the configured ones; empty if it cannot.
+  [[nodiscard]] std::optional<std::string> why_not_ad_hoc(const DeviceSpec& device) const;
+  // Replaces the ad-hoc device of this index. Returns false if its protocol cannot be made.
+  // REQUIRES: why_not_ad_hoc() is empty; no request or response of the former device is pending.
+  [[nodiscard]] bool set_ad_hoc(DeviceIndex index, const DeviceSpec& device);
 
   // Both exclude the device's own response time.
   [[nodiscard]] Duration wire_time(DeviceIndex device, const Request& request) const;
@@ -64,7 +81,11 @@ class BusSetup {
   Framer framer_ = nullptr;
   std::vector<std::shared_ptr<const Protocol>> protocols_;
   std::unordered_map<std::string_view, DeviceIndex> names_;
+  std::vector<DeviceSpec> ad_hoc_;
 };
+
+// Both have the same protocol and address, so that their responses are alike.
+[[nodiscard]] bool same_address(const DeviceSpec& a, const DeviceSpec& b);
 
 // Each device speaks a protocol that frames its own stream, so no serial line carries it.
 [[nodiscard]] bool only_network_protocols(const BusSpec& bus);

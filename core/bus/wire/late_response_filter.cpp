@@ -40,7 +40,7 @@ LateResponseFilter::LateResponseFilter(const BusSetup& setup)
       owed_([&setup](const Asked& earlier, const Asked& later) {
         return mistakable(setup, earlier, later);
       }),
-      devices_(setup.devices()) {}
+      devices_(setup.slots()) {}
 
 Instant LateResponseFilter::sendable_from(DeviceIndex device, const Request& request,
                                           Purpose purpose) const {

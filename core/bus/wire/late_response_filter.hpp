@@ -48,6 +48,9 @@ class LateResponseFilter {
     };
   }
   [[nodiscard]] bool none_owed() const { return owed_.empty(); }
+  [[nodiscard]] bool owes(DeviceIndex device) const { return owed_.owes(device); }
+  // Another device has the index now. REQUIRES: !owes(device).
+  void replaced(DeviceIndex device) { devices_[device].heads.clear(); }
   // kLongAgo if no responses are pending.
   [[nodiscard]] Instant owed_until() const { return owed_.until(); }
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }

@@ -71,6 +71,10 @@ class PendingResponses {
   [[nodiscard]] Instant askable_from(const Asked& next, bool same_is_fine) const;
   [[nodiscard]] std::vector<Debt>& debts() { return debts_; }
   [[nodiscard]] bool empty() const { return debts_.empty(); }
+  [[nodiscard]] bool owes(DeviceIndex device) const {
+    return std::ranges::any_of(debts_,
+                               [&](const Debt& debt) { return debt.asked.device == device; });
+  }
   [[nodiscard]] Instant until() const {
     Instant last = kLongAgo;
     for (const Debt& debt : debts_) last = std::max(last, debt.until());

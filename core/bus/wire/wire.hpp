@@ -65,17 +65,17 @@ class WireLoad {
 struct Flight {
   enum class Kind : std::uint8_t { kRead, kCommand, kProbe };
   Kind kind = Kind::kRead;
-  Asked asked;                // context and sent_until are those of the last try
-  Block block;                // for kRead: the values requested
-  bool longer = false;        // for kRead: requests more than the block
-  std::size_t batch = 1;      // for kCommand: number of commands in the request
-  bool gateway_read = false;  // for kCommand: see Command
-  Duration timeout{};         // for kProbe: time that can be spared
-  Instant started{};          // first try
-  Duration idle{};            // time since then between tries, and while this process was suspended
-  unsigned tries = 0;         // failed tries
-  bool no_response = false;   // a try got no response: the next bytes may be it
-  Duration rest{};            // between the device's last response and the last try
+  Asked asked;               // context and sent_until are those of the last try
+  Block block;               // for kRead: the values requested
+  bool longer = false;       // for kRead: requests more than the block
+  std::size_t batch = 1;     // for kCommand: number of commands in the request
+  bool spare_time = false;   // for kCommand: see Command::in_spare_time()
+  Duration timeout{};        // for kProbe: time that can be spared
+  Instant started{};         // first try
+  Duration idle{};           // time since then between tries, and while this process was suspended
+  unsigned tries = 0;        // failed tries
+  bool no_response = false;  // a try got no response: the next bytes may be it
+  Duration rest{};           // between the device's last response and the last try
 
   [[nodiscard]] bool is_command() const { return kind == Kind::kCommand; }
 };
