@@ -1,4 +1,4 @@
-// Tests the page for reports, in chromium with a mock station.
+// Tests the page for reports, and events and the day before on the page History, in chromium with a mock station.
 //
 //   node reports_test.mjs PAGE_FILES NODE_MODULES
 
@@ -34,7 +34,7 @@ const open = async (hash, options) => {
 for (const [name, options] of [['wide', {}], ['on a phone in the dark', { width: 390, height: 800, dark: true }], ['in Chinese', { width: 1024, language: 'zh-CN' }]])
   test(`the page for reports, ${name}: nothing clipped, no violation`, { skip }, async () => {
     const faults = [];
-    for (const hash of ['#/reports', `#/reports?channel=press-shop%2F*%2Fflow-1&by=shift`]) {
+    for (const hash of ['#/reports', `#/reports?channel=press-shop%2F*%2Fflow-1&by=shift`, `#/history?c=${mock.plant.alarms[0].bus}/${mock.plant.alarms[0].device}/${mock.plant.alarms[0].channel}&compare=`]) {
       const page = await open(hash, options);
       faults.push(...[...await clipped(page), ...await browser.axe(page)].map((each) => `${hash}: ${each}`));
       if (options.language) assert.match(await page.textContent('main'), /[\u4e00-\u9fff]/);
@@ -113,5 +113,37 @@ test('a viewer reads reports and saves none', { skip }, async () => {
   await settled(page);
   await says(page, 'tbody', /flow-1/);
   assert.equal(await page.locator('input[name=name]').count(), 0);
+  await page.context().close();
+});
+
+test('history shows the day before as thin curves, and reads them at the cursor', { skip }, async () => {
+  const page = await open(`#/history?c=${power}&span=10min`);
+  const asked = [];
+  page.on('request', (request) => { if (request.url().includes('/api/history')) asked.push(Number(new URL(request.url()).searchParams.get('to'))); });
+  await page.getByRole('button', { name: 'Day before' }).click();
+  await settled(page);
+  assert.equal(asked.length, 2);
+  assert.ok(Math.abs(Math.max(...asked) - Math.min(...asked) - 86_400_000) < 5, String(asked));
+  assert.equal(await page.getByRole('button', { name: 'Day before' }).getAttribute('aria-pressed'), 'true');
+  assert.match(page.url(), /compare=.*span=10min/);
+  const box = await page.locator('.chart').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const cells = page.locator('tbody td.number');
+  await until(async () => /\d/.test(await cells.nth(0).textContent()) && /\d/.test(await cells.nth(1).textContent()), 'both values at the cursor');
+  await page.context().close();
+});
+
+test('events of the channels are marks on the time axis with a text, and a list', { skip }, async () => {
+  const alarm = mock.plant.alarms.find(({ channel }) => channel), path = `${alarm.bus}/${alarm.device}/${alarm.channel}`;
+  alarm.since_ms = Date.now() - 30 * 60_000;
+  const from = Math.round(alarm.since_ms - 600_000), to = Math.round(alarm.since_ms + 600_000);
+  const page = await open(`#/history?c=${path}&from=${from}&to=${to}`);
+  await page.locator('summary').focus();
+  await page.keyboard.press('Enter');
+  await says(page, 'details li', new RegExp(`${path} raised ${alarm.limit}`));
+  const box = await page.locator('.chart').boundingBox();
+  // The axis has 60 px at the left and 12 px at the right.
+  await page.mouse.move(box.x + 60 + (box.width - 72) / 2, box.y + 100);
+  await until(async () => / raised /.test(await page.locator('.chart canvas').nth(1).getAttribute('title') ?? ''), 'the text of the mark');
   await page.context().close();
 });
