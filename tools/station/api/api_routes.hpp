@@ -60,7 +60,7 @@ ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, main
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
     list_pictures, show_picture, save_picture, delete_picture;
-ApiHandler list_reports, save_report, delete_report;
+ApiHandler list_reports, save_report, delete_report, show_document;
 
 struct ApiRow {
   Method method;
@@ -106,6 +106,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kPost, "/api/dashboards/save", Access::kEngineer, save_dashboard, true,
      kMaxDashboardBody},
     {Method::kGet, "/api/devices", Access::kViewer, show_devices},
+    {Method::kGet, "/api/document", Access::kViewer, show_document},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
     {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},

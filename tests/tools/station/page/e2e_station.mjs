@@ -160,12 +160,15 @@ test('history shows what the station recorded', async () => {
   await says('table.plain tbody', /samples|points/, 'the store answers');
 });
 
-test('a report of the store is a table and a spreadsheet', async () => {
+test('a report of the store is a table and a spreadsheet, and the document of the page is there', async () => {
   await go(`#/reports?channel=${device}/*`);
   await says('main tbody', /press-1\/pressure/, 'a row');
   const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'XLSX' }).click()]);
   assert.equal(file.suggestedFilename(), 'report.xlsx');
   assert.match(readFileSync(await file.path()).toString('latin1'), /^PK/);
+  const [shown] = await Promise.all([page.context().waitForEvent('page'), page.getByRole('link', { name: 'Docs' }).click()]);
+  await until(async () => /# The station in the browser/.test(await shown.textContent('body')), 'the document');
+  await shown.close();
 });
 
 test('every page: nothing clipped, no violation', async () => {

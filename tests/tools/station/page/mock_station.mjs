@@ -252,6 +252,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], messages: [] }],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
+    '/api/document': (url) => ({ csv: `# ${url.searchParams.get('name')}\n`, type: 'text/plain' }),
     ...dashboards.get, ...reports.get,
     '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
       [404, { error: 'no bridge publishes a plan of this bus', hint: '' }]),
@@ -309,7 +310,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
     if (found.csv) {
-      response.writeHead(200, { ...headers, 'content-type': 'text/csv', 'content-disposition': `attachment; filename="${found.name}"` });
+      response.writeHead(200, { ...headers, 'content-type': found.type ?? 'text/csv', ...(found.name ? { 'content-disposition': `attachment; filename="${found.name}"` } : {}) });
       return response.end(found.csv);
     }
     if (found.svg) {
