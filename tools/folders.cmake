@@ -12,7 +12,7 @@ endif()
 # The libraries of others, by their names in `Libraries:` (tests/tools/boundaries.py has their headers).
 set(FIELDCAST_LIBRARIES
   "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=${FIELDCAST_FAST_DDS}" "fmt=fmt::fmt" "forward-schema=fieldcast_forward_schema" "idl=fieldcast_idl" "libcurl=PkgConfig::CURL" "libmosquitto=PkgConfig::MOSQUITTO" "libpq=PkgConfig::PQ" "librdkafka=PkgConfig::RDKAFKA" "libsodium=PkgConfig::SODIUM"
-  "libzip=PkgConfig::libzip" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
+  "libxlsxwriter=PkgConfig::XLSXWRITER" "libzip=PkgConfig::libzip" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
   "snappy=PkgConfig::SNAPPY" "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB" "zstd=PkgConfig::ZSTD")
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -40,6 +40,7 @@ pkg_check_modules(PQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(RDKAFKA REQUIRED IMPORTED_TARGET rdkafka)
 pkg_check_modules(SNAPPY REQUIRED IMPORTED_TARGET snappy)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
+pkg_check_modules(XLSXWRITER REQUIRED IMPORTED_TARGET xlsxwriter)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 set(CURSES_NEED_NCURSES TRUE)
 set(CURSES_NEED_WIDE TRUE)

@@ -79,11 +79,12 @@ void NotificationTable::put(const NotifyWindow& window) {
 
 void NotificationTable::put(const Notification& message) {
   connection_.execute(
-      "insert into notifications (id, target, recipient, made_at, subject, content, json, state, "
-      "attempts, next_at, done_at, error) values ($1, $2, $3, $4, $5, $6, $7, 'waiting', 0, $4, 0, "
-      "'') on conflict (id) do nothing",
+      "insert into notifications (id, target, recipient, made_at, subject, content, json, "
+      "attachment_name, attachment, state, attempts, next_at, done_at, error) values ($1, $2, $3, "
+      "$4, $5, $6, $7, $8, $9, 'waiting', 0, $4, 0, '') on conflict (id) do nothing",
       SqlRow{message.id, message.target, message.recipient, message.made_at.nanoseconds,
-             message.subject, message.text, message.json});
+             message.subject, message.text, message.json, message.attachment_name,
+             message.attachment});
 }
 
 std::uint64_t NotificationTable::waiting() {
@@ -116,8 +117,9 @@ std::uint64_t NotificationTable::expire(UtcTime oldest, UtcTime now) {
 std::optional<QueuedNotification> NotificationTable::next(const std::string& target, UtcTime now) {
   std::optional<QueuedNotification> found;
   connection_.query(
-      "select id, recipient, made_at, subject, content, json, attempts from notifications where "
-      "state = 'waiting' and target = $1 and next_at <= $2 order by next_at, made_at, id limit 1",
+      "select id, recipient, made_at, subject, content, json, attempts, attachment_name, "
+      "attachment from notifications where state = 'waiting' and target = $1 and next_at <= $2 "
+      "order by next_at, made_at, id limit 1",
       {target, now.nanoseconds}, [&](const SqlRow& row) {
         QueuedNotification& message = found.emplace();
         message.id = text_at(row, 0);
@@ -128,6 +130,8 @@ std::optional<QueuedNotification> NotificationTable::next(const std::string& tar
         message.text = text_at(row, 4);
         message.json = text_at(row, 5);
         message.attempts = count_at(row, 6);
+        message.attachment_name = text_at(row, 7);
+        message.attachment = text_at(row, 8);
         return false;
       });
   return found;
@@ -135,8 +139,8 @@ std::optional<QueuedNotification> NotificationTable::next(const std::string& tar
 
 void NotificationTable::sent(const std::string& id, UtcTime now) {
   connection_.execute(
-      "update notifications set state = 'sent', attempts = attempts + 1, done_at = $1, error = '' "
-      "where id = $2",
+      "update notifications set state = 'sent', attempts = attempts + 1, done_at = $1, error = '', "
+      "attachment = '' where id = $2",
       SqlRow{now.nanoseconds, id});
 }
 

@@ -5,6 +5,8 @@ usage: e2e_notify.py BIN_DIR
 """
 
 import asyncio
+import contextlib
+import datetime
 import email
 import email.policy
 import hashlib
@@ -378,6 +380,48 @@ class Notifications(unittest.TestCase):
         self.assertEqual(len(inbox.mails), 1)
         self.assertEqual(run(text, "--notify-test", "nobody").returncode, 2)
 
+    def test_7_reports_are_made_once_and_missed_ones_are_made_up(self):
+        inbox, port, folder = Inbox(), free_port(), path("reports")
+        text = configuration("reports", port, '[{ name: none, to: [crew], patterns: ["no"] }]', more=f"""
+record: {{ patterns: [line] }}
+reports:
+  - {{ name: energy, channels: [line], at: "00:00", format: csv, to: {folder} }}
+  - {{ name: office, channels: [line], at: "00:00", mail: [crew] }}
+""")
+
+        def day(ago):
+            return (datetime.date.today() - datetime.timedelta(ago)).isoformat()
+
+        def files():
+            return sorted(os.listdir(folder)) if os.path.isdir(folder) else []
+        yesterday = f"energy_{day(1)}.csv"
+        with Smtp(inbox, port), station("reports", text) as running:
+            wait_until(lambda: files() == [yesterday] and len(inbox.mails) == 2, SECONDS, running.log)
+            mail = to(inbox, "bob@plant.example")[0]
+            self.assertEqual(mail["Subject"], f"Report office {day(1)} of the station reports")
+            attached = list(mail.iter_attachments())[0]
+            self.assertEqual(attached.get_filename(), f"office_{day(1)}.xlsx")
+            self.assertTrue(attached.get_content().startswith(b"PK"))
+            wait_until(lambda: state(running)["waiting"] == 0, SECONDS, running.log)
+            wait_until(lambda: Browser(running).get("/api/history?channel=line/press/mail")["series"][0]["known"], SECONDS, running.log)
+            kill(running)
+            os.remove(os.path.join(folder, yesterday))
+            running.__enter__()
+            settle()
+            self.assertEqual((files(), len(inbox.mails)), ([], 2))
+            kill(running)
+            # As if the station had been off for two days.
+            with contextlib.closing(sqlite3.connect(path("reports.db"))) as store:
+                store.execute("update report_runs set period = ?", (day(3),))
+                store.commit()
+            running.__enter__()
+            wait_until(lambda: files() == [f"energy_{day(2)}.csv", yesterday] and len(inbox.mails) == 4, SECONDS, running.log)
+            with open(os.path.join(folder, yesterday), encoding="utf-8") as file:
+                self.assertIn(f"\nline/press/mail,,{day(1)}T00:00:00", file.read())
+            runs = Browser(running).get("/api/reports")["runs"]
+            self.assertEqual(len([run for run in runs if run["period"] == day(1)]), 2, runs)
+            settle()
+            self.assertEqual(len(inbox.mails), 4)  # those of yesterday were sent before
 
 if __name__ == "__main__":
     BIN_DIR = os.path.abspath(sys.argv[1])

@@ -25,6 +25,7 @@
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/notify/notifier.hpp"
 #include "tools/station/record/recorder.hpp"
+#include "tools/station/report/reporter.hpp"
 #include "tools/station/stream/stream_reader.hpp"
 #include "tools/station/web/site.hpp"
 #include "tools/station/web/station_server.hpp"
@@ -89,6 +90,7 @@ struct WebStation::State {
   std::unique_ptr<Store> store;
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<Notifier> notifier;
+  std::unique_ptr<Reporter> reporter;
   IoThread io{"web"};
   std::unique_ptr<asio::steady_timer> turning;
   std::unique_ptr<Database> database;
@@ -109,6 +111,10 @@ void WebStation::State::open_store() {
   store = std::make_unique<Store>(*spec.store);
   if (!spec.store->samples.empty()) recorder = std::make_unique<Recorder>(*store);
   if (spec.notify) open_notifier(address);
+  if (!spec.reports.empty())
+    reporter = std::make_unique<Reporter>(std::make_unique<ReportMaker>(
+        spec.reports, spec.notify ? spec.notify->targets : std::vector<NotifyTarget>{}, spec.name,
+        address));
   database = std::make_unique<Database>(
       address, [this](std::function<void()> task) { post(std::move(task)); });
   logins = std::make_unique<Authenticator>(address, *store);
@@ -209,6 +215,7 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
               .recorder = recorder.get(),
               .audit = store.get(),
               .notifier = notifier.get(),
+              .reports = &spec.reports,
               .now = utc_now,
               .metrics = [this] { return metrics_of(*domain, stream.get(), *server); }});
 }
@@ -315,6 +322,8 @@ void WebStation::stop() {
     s.listener.reset();
   });
   s.io.run([] {});  // waits for tasks posted before
+  s.busy = "making a report";
+  s.reporter.reset();
   s.busy = "sending a notification";
   s.notifier.reset();
   s.busy = "writing to the store";

@@ -39,8 +39,9 @@ struct Notification {
   std::string id;  // the same after a restart; in Message-ID and in the JSON
   std::string target, recipient;
   UtcTime made_at;
-  std::string subject, text;  // of a mail
-  std::string json;           // of a webhook
+  std::string subject, text;                // of a mail
+  std::string json;                         // of a webhook
+  std::string attachment_name, attachment;  // of a mail; base64 in one line
   friend bool operator==(const Notification&, const Notification&) = default;
 };
 

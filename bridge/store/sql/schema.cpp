@@ -197,6 +197,18 @@ create table notifications (
 create index notifications_waiting on notifications (target, next_at) where state = 'waiting';
 create index notifications_made on notifications (made_at);
 )",
+    // Reports of a station (tools/station/report). query: of the address of the page. period: the
+    // day or the month of the report. The attachment of a mail is base64, empty once it was sent.
+    R"(
+create table reports (
+  name text primary key, query text not null, saved_by text not null,
+  saved_at bigint not null) {clustered};
+create table report_runs (
+  report text not null, via text not null, period text not null, made_at bigint not null,
+  result text not null, primary key (report, via, period)) {clustered};
+alter table notifications add column attachment_name text not null default '';
+alter table notifications add column attachment text not null default '';
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/csv_field.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 
 namespace fieldcast::cli {

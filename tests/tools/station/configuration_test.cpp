@@ -299,5 +299,54 @@ TEST(LocalRole, FollowsFileStoreAndUsers) {
   EXPECT_EQ(local_role_of(spec, 0), std::nullopt);
 }
 
+std::string with_report(const std::string& report, const std::string& store = "{ path: s.db }") {
+  return with("store: { path: s.db }\n",
+              (store.empty() ? "" : "store: " + store + "\n") + "reports: [" + report + "]\n");
+}
+
+TEST(StationReports, ReadsAReport) {
+  const auto loaded = load(with_report(
+      "{ name: energy, channels: [\"press-shop/*/power\", hall], by: shift, shifts: [\"05:00\", "
+      "\"17:00\"], every: month, at: \"06:30\", format: csv, to: /srv/reports, mail: [crew] }"));
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  ASSERT_EQ(loaded->reports.size(), 1u);
+  const ReportSpec& report = loaded->reports[0];
+  EXPECT_EQ(report.name, "energy");
+  EXPECT_EQ(report.channels.size(), 2u);
+  EXPECT_EQ(report.by, ReportBy::kShift);
+  EXPECT_THAT(report.shifts, ElementsAre(300, 1020));
+  EXPECT_TRUE(report.monthly);
+  EXPECT_EQ(report.at, 390);
+  EXPECT_TRUE(report.csv);
+  EXPECT_EQ(report.folder, "/srv/reports");
+  EXPECT_THAT(report.mail, ElementsAre("crew"));
+}
+
+TEST(StationReports, EachFaultIsReportedAtItsPlace) {
+  const std::pair<std::string, const char*> cases[] = {
+      {with_report("{ name: a, channels: [x], to: /srv }", ""), "no reports without a store"},
+      {with_report("{ name: ../etc/cron, channels: [x], to: /srv }"), "name"},
+      {with_report("{ name: a, to: /srv }"), "channels"},
+      {with_report("{ name: a, channels: [a/b/c/d], to: /srv }"), "channels: "},
+      {with_report("{ name: a, channels: [x] }"), "without a folder and without mail"},
+      {with_report("{ name: a, channels: [x], to: reports }"), "is not an absolute path"},
+      {with_report("{ name: a, channels: [x], mail: [chat] }"), "'chat' is not a target"},
+      {with_report("{ name: a, channels: [x], mail: [ann@plant.example] }"), "is not a target"},
+      {with_report("{ name: a, channels: [x], to: /srv, at: \"25:00\" }"), "'25:00' is not a time"},
+      {with_report("{ name: a, channels: [x], to: /srv, by: month }"), "a day has no months"},
+      {with_report("{ name: a, channels: [x], to: /srv, by: shift, at: \"05:00\" }"),
+       "has not ended at this time"},
+      {with_report("{ name: a, channels: [x], to: /srv, shifts: [\"14:00\", \"06:00\"] }"),
+       "not in the order of time"},
+      {with_report("{ name: a, channels: [x], to: /srv }, { name: a, channels: [x], to: /srv }"),
+       "appears twice"}};
+  for (const auto& [text, what] : cases) {
+    const auto found = faults(text);
+    ASSERT_FALSE(found.empty()) << text;
+    EXPECT_THAT(found[0], HasSubstr(what));
+    EXPECT_THAT(found[0], testing::StartsWith("station.yaml:"));
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast::web

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/csv_field.hpp"
 #include "core/base/value.hpp"
 #include "tools/cli/model/sample_text.hpp"
 
@@ -75,8 +76,6 @@ StationSample as_sample(const StoredSample& stored) {
           stored.quality, stored.device_code, stored.acquired_at, stored.sequence};
 }
 
-// Spreadsheets evaluate a cell that starts with one of these as a formula.
-constexpr std::string_view kFormulaStarts = "=+-@\t\r";
 constexpr std::string_view kTransmission = "program";  // audit entries with byte counts
 
 bool was_read(const StoredSample& sample) { return sample.acquired_at.nanoseconds != 0; }
@@ -92,16 +91,6 @@ std::string path_of(const StoredSample& sample) {
 }
 
 }  // namespace
-
-std::string csv_field(const std::string& raw) {
-  std::string text = printable(raw);
-  if (!raw.empty() && kFormulaStarts.find(raw.front()) != kFormulaStarts.npos)
-    text.insert(text.begin(), '\'');
-  if (text.find_first_of(",\"") == text.npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
 
 Json record_json(const StoredSample& sample) {
   Json json = sample_json(as_sample(sample));

@@ -35,8 +35,6 @@ namespace fieldcast::cli {
 [[nodiscard]] std::string history_csv_head();
 // RFC 4180; empty for a value that was never read.
 [[nodiscard]] std::string history_csv(const StoredSample& sample, Zone zone = Zone::kUtc);
-// One field by RFC 4180, 2.6 and 2.7; control characters are escaped.
-[[nodiscard]] std::string csv_field(const std::string& raw);
 [[nodiscard]] std::string audit_line(const AuditEntry& entry);
 
 [[nodiscard]] std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices,

@@ -17,6 +17,7 @@
 #include "tools/station/live/configuration_requests.hpp"
 #include "tools/station/model/live_model.hpp"
 #include "tools/station/notify/notifier.hpp"
+#include "tools/station/report/report_spec.hpp"
 #include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
@@ -38,7 +39,8 @@ struct Api {
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
   Audit* audit = nullptr;
-  const Notifier* notifier = nullptr;  // null if nobody is notified
+  const Notifier* notifier = nullptr;                // null if nobody is notified
+  const std::vector<ReportSpec>* reports = nullptr;  // by schedule
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
   std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
@@ -58,6 +60,7 @@ ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, main
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
     list_pictures, show_picture, save_picture, delete_picture;
+ApiHandler list_reports, save_report, delete_report, show_document;
 
 struct ApiRow {
   Method method;
@@ -103,6 +106,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kPost, "/api/dashboards/save", Access::kEngineer, save_dashboard, true,
      kMaxDashboardBody},
     {Method::kGet, "/api/devices", Access::kViewer, show_devices},
+    {Method::kGet, "/api/document", Access::kViewer, show_document},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
     {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},
@@ -113,6 +117,9 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kPost, "/api/pictures/save", Access::kEngineer, save_picture, true, kMaxPictureBody},
     {Method::kGet, "/api/plan", Access::kViewer, show_plan},
     {Method::kGet, "/api/report", Access::kViewer, show_report, true},
+    {Method::kGet, "/api/reports", Access::kViewer, list_reports, true},
+    {Method::kPost, "/api/reports/delete", Access::kOperator, delete_report, true},
+    {Method::kPost, "/api/reports/save", Access::kOperator, save_report, true},
     {Method::kGet, "/api/sessions", Access::kViewer, show_sessions},
     {Method::kPost, "/api/sessions/end", Access::kOperator, end_session},
     {Method::kGet, "/api/sites", Access::kViewer, show_sites},

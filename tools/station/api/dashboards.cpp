@@ -7,6 +7,7 @@
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
 #include "tools/station/api/api_routes.hpp"
+#include "tools/station/api/audit_note.hpp"
 #include "tools/station/api/base/exchange.hpp"
 #include "tools/station/api/body_limits.hpp"
 #include "tools/station/dashboard/dashboard_document.hpp"
@@ -73,20 +74,6 @@ std::string picture_json(const StoredPicture& picture) {
       .add("height", picture.height)
       .add("bytes", picture.bytes)
       .take();
-}
-
-// Replies and, after a success, adds an entry to the audit.
-Reply noting(const Api& api, const Caller& caller, const char* what, const std::string& target,
-             const Reply& reply) {
-  if (api.audit == nullptr) return reply;
-  const AuditEntry entry{.who = fmt::format("{} from {}", printable(caller.user), caller.peer),
-                         .what = what,
-                         .target = target,
-                         .result = "done"};
-  return [audit = api.audit, entry, reply](HttpResponse response) {
-    if (response.status < 300) audit->append(entry);
-    reply(std::move(response));
-  };
 }
 
 }  // namespace

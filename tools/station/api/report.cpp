@@ -1,20 +1,20 @@
-// Reports of the store: totals of channels by shift, day or month, as JSON or CSV.
-#include "tools/station/report/report.hpp"
+// Reports of the store: totals of channels by shift, day or month, as JSON, CSV or XLSX.
+#include <fmt/format.h>
 
-#include "bridge/store/tiers/sample_table.hpp"
-#include "bridge/store/tiers/tier_table.hpp"
+#include "bridge/log/log.hpp"
 #include "core/base/json.hpp"
-#include "core/base/value.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
+#include "tools/station/report/report_reader.hpp"
+#include "tools/station/report/report_xlsx.hpp"
 
 namespace fieldcast::web {
 namespace {
 
-constexpr std::size_t kMaxReported = 32;  // channels
-constexpr std::size_t kMaxPeriods = 400;
 constexpr Duration kUsualSpan = kOneDay * 7;
 constexpr Duration kLongestSpan = kOneDay * 430;  // its minutes of a channel need 50 MB
+constexpr std::string_view kXlsxType =
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet";
 
 void add_optional(JsonObject& json, std::string_view name, const std::optional<double>& number) {
   if (number)
@@ -43,30 +43,54 @@ std::string table_json(const ReportTable& table) {
       .take();
 }
 
-ReportTable read_table(SqlConnection& connection, const ChannelPath& path,
-                       const std::vector<ReportPeriod>& periods) {
-  ReportTable table{.channel = path.text()};
-  const auto channel = SampleTable(connection).find(path);
-  table.known = channel.has_value();
-  if (!channel || periods.empty()) return table;
-  table.unit = channel->unit;
-  std::vector<Bucket> minutes;
-  if (channel->type != to_text(ValueType::kString))
-    TierHistory(connection, kReportMinute)
-        .read(*channel, periods.front().from, periods.back().to, [&](const Bucket& bucket) {
-          minutes.push_back(bucket);
-          return true;
-        });
-  table.rows = report_rows(minutes, periods);
-  return table;
+enum class Format : std::uint8_t { kJson, kCsv, kXlsx };
+
+Checked<Format> format_of(const HttpRequest& request) {
+  const std::string text = request.parameter("format").value_or("json");
+  if (text == "json") return Format::kJson;
+  if (text == "csv") return Format::kCsv;
+  if (text == "xlsx") return Format::kXlsx;
+  return tl::make_unexpected(
+      error_response(400, "format: this is not a format", "give json, csv or xlsx"));
 }
 
-HttpResponse csv_response(const std::vector<ReportTable>& tables) {
+// Each `channel` is a channel or a pattern.
+Checked<std::vector<Pattern>> patterns_of(const HttpRequest& request) {
+  std::vector<Pattern> patterns;
+  for (const std::string& text : request.parameters("channel")) {
+    auto pattern = Pattern::parse(text);
+    if (!pattern)
+      return tl::make_unexpected(error_response(400, "channel: " + pattern.error(),
+                                                "give BUS/DEVICE/CHANNEL, with * for a pattern"));
+    patterns.push_back(*std::move(pattern));
+  }
+  if (!patterns.empty() && patterns.size() <= kMaxReported) return patterns;
+  return tl::make_unexpected(error_response(
+      400, fmt::format("channel came {} times", patterns.size()),
+      fmt::format("give channel=BUS/DEVICE/CHANNEL once to {} times", kMaxReported)));
+}
+
+HttpResponse file_response(std::string body, std::string_view type, std::string_view end) {
   HttpResponse response;
-  response.content_type = "text/csv; charset=utf-8";
-  response.headers.emplace_back("content-disposition", "attachment; filename=\"report.csv\"");
-  response.body = report_csv(tables);
+  response.content_type = type;
+  response.headers.emplace_back("content-disposition",
+                                fmt::format("attachment; filename=\"report.{}\"", end));
+  response.body = std::move(body);
   return response;
+}
+
+HttpResponse xlsx_response(const std::vector<ReportTable>& tables) {
+  auto bytes = report_xlsx(tables);
+  if (bytes) return file_response(*std::move(bytes), kXlsxType, "xlsx");
+  log_error("report", "the spreadsheet cannot be made: " + bytes.error());
+  return error_response(500, "the spreadsheet cannot be made",
+                        "the log of the station has the reason; format=csv needs no memory for it");
+}
+
+HttpResponse json_tables(const std::vector<ReportTable>& tables, bool compress) {
+  const auto append = [](std::string& out, const ReportTable& table) { out += table_json(table); };
+  return json_response(JsonObject().add_json("tables", json_array(tables, append)).take(),
+                       compress);
 }
 
 }  // namespace
@@ -74,12 +98,12 @@ HttpResponse csv_response(const std::vector<ReportTable>& tables) {
 void show_report(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
   const Parameters parameters(request, {"channel", "from", "to", "by", "shifts", "format"});
   if (auto fault = parameters.fault("channel")) return reply(*std::move(fault));
-  auto channels = parameters.channels("channel", kMaxReported);
-  if (!channels) return reply(std::move(channels.error()));
+  auto patterns = patterns_of(request);
+  if (!patterns) return reply(std::move(patterns.error()));
   auto span = parameters.span(api.now(), kUsualSpan);
   if (!span) return reply(std::move(span.error()));
-  auto csv = parameters.chosen("format", "json", "csv");
-  if (!csv) return reply(std::move(csv.error()));
+  auto format = format_of(request);
+  if (!format) return reply(std::move(format.error()));
   const auto by = report_by(request.parameter("by").value_or("day"));
   if (!by)
     return reply(error_response(400, "by: this is not a period", "give shift, day or month"));
@@ -93,20 +117,21 @@ void show_report(const Api& api, const HttpRequest& request, const Caller&, cons
     return reply(error_response(400, "the time range is longer than 400 periods or 430 days",
                                 "choose a shorter time range or a longer period"));
   api.database->respond(
-      [channels = *std::move(channels), periods = std::move(periods), csv = *csv,
+      [patterns = *std::move(patterns), periods = std::move(periods), format = *format,
        compress = request.accepts_gzip](SqlConnection& connection) {
-        std::vector<ReportTable> tables;
-        for (const ChannelPath& path : channels)
-          tables.push_back(read_table(connection, path, periods));
-        if (csv) return csv_response(tables);
-        return json_response(
-            JsonObject()
-                .add_json("tables", json_array(tables,
-                                               [](std::string& out, const ReportTable& table) {
-                                                 out += table_json(table);
-                                               }))
-                .take(),
-            compress);
+        const auto channels = channels_of(connection, patterns);
+        if (channels.size() > kMaxReported)
+          return error_response(
+              400, fmt::format("channel: the patterns match {} channels", channels.size()),
+              fmt::format("give patterns of at most {} channels", kMaxReported));
+        const auto tables = read_tables(connection, channels, periods);
+        switch (format) {
+          case Format::kCsv:
+            return file_response(report_csv(tables), "text/csv; charset=utf-8", "csv");
+          case Format::kXlsx: return xlsx_response(tables);
+          case Format::kJson: break;
+        }
+        return json_tables(tables, compress);
       },
       reply);
 }

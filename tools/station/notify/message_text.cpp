@@ -13,19 +13,11 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr std::size_t kMaxSubject = 300;  // bytes
-constexpr std::size_t kMaxText = 60'000;  // bytes
-constexpr std::size_t kMaxLinked = 500;   // bytes of an alarm's name in a link
-constexpr std::size_t kEncodedWord = 45;  // bytes of text in an encoded word of 75 characters
-constexpr std::size_t kBase64Line = 57;   // bytes in a line of 76 characters
-
-std::string base64(std::string_view text) {
-  std::string out(sodium_base64_encoded_len(text.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
-  sodium_bin2base64(out.data(), out.size(), reinterpret_cast<const unsigned char*>(text.data()),
-                    text.size(), sodium_base64_VARIANT_ORIGINAL);
-  out.pop_back();  // the zero at the end
-  return out;
-}
+constexpr std::size_t kMaxSubject = 300;       // bytes
+constexpr std::size_t kMaxText = 60'000;       // bytes
+constexpr std::size_t kMaxLinked = 500;        // bytes of an alarm's name in a link
+constexpr std::size_t kEncodedWord = 45;       // bytes of text in an encoded word of 75 characters
+constexpr std::size_t kBase64Characters = 76;  // of a line
 
 std::string percent(std::string_view text) {
   std::string out;
@@ -107,6 +99,14 @@ std::string json_of(const std::string& id, const NotifyMessage& message, const N
 
 }  // namespace
 
+std::string base64(std::string_view text) {
+  std::string out(sodium_base64_encoded_len(text.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
+  sodium_bin2base64(out.data(), out.size(), reinterpret_cast<const unsigned char*>(text.data()),
+                    text.size(), sodium_base64_VARIANT_ORIGINAL);
+  out.pop_back();  // the zero at the end
+  return out;
+}
+
 std::string link_of(const std::string& page, const AlarmKey& alarm) {
   if (page.empty()) return {};
   const std::string key =
@@ -160,19 +160,45 @@ std::string header_text(std::string_view text) {
   return out;
 }
 
+namespace {
+
+constexpr std::string_view kTextPart =
+    "Content-Type: text/plain; charset=utf-8\r\nContent-Transfer-Encoding: base64\r\n\r\n";
+
+// Appends the text in lines of RFC 2045.
+void append_lines(std::string& mail, std::string_view base64_text) {
+  for (; !base64_text.empty();
+       base64_text.remove_prefix(std::min(base64_text.size(), kBase64Characters)))
+    mail.append(base64_text.substr(0, kBase64Characters)).append("\r\n");
+}
+
+// RFC 2046. A line of base64 never begins as the boundary does.
+std::string parts_of(const Notification& message) {
+  const std::string boundary = "fieldcast-" + message.id;
+  std::string parts = fmt::format(
+      "Content-Type: multipart/mixed; boundary=\"{0}\"\r\n\r\n--{0}\r\n{1}", boundary, kTextPart);
+  append_lines(parts, base64(message.text));
+  parts += fmt::format(
+      "--{0}\r\nContent-Type: application/octet-stream\r\nContent-Disposition: attachment; "
+      "filename=\"{1}\"\r\nContent-Transfer-Encoding: base64\r\n\r\n",
+      boundary, message.attachment_name);
+  append_lines(parts, message.attachment);
+  return parts + fmt::format("--{}--\r\n", boundary);
+}
+
+}  // namespace
+
 std::string mail_text(const Notification& message, const std::string& from) {
   const std::string domain = from.substr(from.find('@') + 1);
   std::string mail = fmt::format(
       "From: <{}>\r\nTo: <{}>\r\nSubject: {}\r\nDate: {:%a, %d %b %Y %H:%M:%S} +0000\r\n"
-      "Message-ID: <{}@{}>\r\nAuto-Submitted: auto-generated\r\nMIME-Version: 1.0\r\n"
-      "Content-Type: text/plain; charset=utf-8\r\nContent-Transfer-Encoding: base64\r\n\r\n",
+      "Message-ID: <{}@{}>\r\nAuto-Submitted: auto-generated\r\nMIME-Version: 1.0\r\n",
       from, message.recipient, header_text(printable(message.subject, kMaxSubject)),
       fmt::gmtime(static_cast<std::time_t>(message.made_at.nanoseconds / 1'000'000'000)),
       message.id, domain);
-  for (std::string_view rest = message.text; !rest.empty();) {
-    mail += base64(rest.substr(0, kBase64Line)) + "\r\n";
-    rest.remove_prefix(std::min(rest.size(), kBase64Line));
-  }
+  if (!message.attachment_name.empty()) return mail + parts_of(message);
+  mail += kTextPart;
+  append_lines(mail, base64(message.text));
   return mail;
 }
 

@@ -23,8 +23,11 @@ namespace fieldcast::web {
 // "PAGE/#/alarms?alarm=line%2Fpress%2Flevel%2Fhigh"; empty without an address of the page.
 [[nodiscard]] std::string link_of(const std::string& page, const AlarmKey& alarm);
 
-// The whole mail as RFC 5322, with lines of CR and LF, all in ASCII.
+// The whole mail as RFC 5322, with lines of CR and LF, all in ASCII. REQUIRES: the name of the
+// attachment has no quote and no control character.
 [[nodiscard]] std::string mail_text(const Notification& message, const std::string& from);
+
+[[nodiscard]] std::string base64(std::string_view bytes);  // RFC 4648, in one line
 
 // The text of a header as RFC 2047: words in base64 unless it is printable ASCII. Folded.
 [[nodiscard]] std::string header_text(std::string_view text);

@@ -17,6 +17,12 @@ const here = dirname(fileURLToPath(import.meta.url));
 const [modules, output, folder] = process.argv.slice(2).map((path) => resolve(path));
 const largest_kb = 120;
 
+// The indentation of a source is in its templates too, where a browser reads it as one space.
+const unindented = {
+  name: 'unindented',
+  setup: ({ onLoad }) => onLoad({ filter: /page.src.*[.]ts$/ }, ({ path }) => ({ contents: readFileSync(path, 'utf8').replace(/\n +/g, '\n'), loader: 'ts' })),
+};
+
 async function bundle() {
   const { build } = createRequire(join(modules, 'x'))('esbuild');
   const result = await build({
@@ -24,6 +30,7 @@ async function bundle() {
     entryNames: 'app',
     chunkNames: '[name]-[hash]',
     splitting: true,
+    plugins: [unindented],
     alias: partsOfPackages(modules),
     outdir: join(here, 'out'),
     bundle: true,

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "tools/cli/view/record_view.hpp"
+#include "core/base/csv_field.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -14,33 +14,15 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::size_t kMaxShifts = 12;
 
-std::tm local(UtcTime at) {
-  const std::time_t seconds = at.nanoseconds / kSecond;
-  std::tm parts{};
-  ::localtime_r(&seconds, &parts);
-  return parts;
-}
-
-// The moment of a minute of a local day; days beyond the month belong to the next one.
-UtcTime moment(const std::tm& month, int day, int minute) {
-  std::tm parts{};
-  parts.tm_year = month.tm_year;
-  parts.tm_mon = month.tm_mon;
-  parts.tm_mday = day;
-  parts.tm_min = minute;
-  parts.tm_isdst = -1;
-  return {std::int64_t{::mktime(&parts)} * kSecond};
-}
-
 // Starts of periods from one before `from` to one at or after `to`, at most `most`.
 std::vector<UtcTime> starts_of(UtcTime from, UtcTime to, ReportBy by, std::span<const int> shifts,
                                std::size_t most) {
   static constexpr int kMidnight[] = {0};
-  std::tm month = local(from);
+  std::tm month = local_parts(from);
   std::vector<UtcTime> starts;
   if (by == ReportBy::kMonth) {
     do {
-      starts.push_back(moment(month, 1, 0));
+      starts.push_back(local_moment(month, 1, 0));
       ++month.tm_mon;
     } while (starts.back() < to && starts.size() < most);
     return starts;
@@ -48,7 +30,7 @@ std::vector<UtcTime> starts_of(UtcTime from, UtcTime to, ReportBy by, std::span<
   const std::span<const int> minutes = by == ReportBy::kShift ? shifts : std::span(kMidnight);
   for (int day = month.tm_mday - 1;; ++day) {
     for (const int minute : minutes) {
-      starts.push_back(moment(month, day, minute));
+      starts.push_back(local_moment(month, day, minute));
       if (starts.back() >= to || starts.size() >= most) return starts;
     }
   }
@@ -60,16 +42,42 @@ void append_number(std::string& out, const std::optional<double>& number) {
 }
 
 std::string csv_time(UtcTime at) {
-  const std::tm parts = local(at);
+  const std::tm parts = local_parts(at);
   return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", parts);
 }
 
 }  // namespace
 
+std::tm local_parts(UtcTime at) {
+  const std::time_t seconds = at.nanoseconds / kSecond;
+  std::tm parts{};
+  ::localtime_r(&seconds, &parts);
+  return parts;
+}
+
+UtcTime local_moment(const std::tm& month, int day, int minute) {
+  std::tm parts{};
+  parts.tm_year = month.tm_year;
+  parts.tm_mon = month.tm_mon;
+  parts.tm_mday = day;
+  parts.tm_min = minute;
+  parts.tm_isdst = -1;
+  return {std::int64_t{::mktime(&parts)} * kSecond};
+}
+
+std::string_view to_text(ReportBy by) {
+  switch (by) {
+    case ReportBy::kShift: return "shift";
+    case ReportBy::kDay: return "day";
+    case ReportBy::kMonth: break;
+  }
+  return "month";
+}
+
 std::optional<ReportBy> report_by(std::string_view text) {
-  if (text == "shift") return ReportBy::kShift;
-  if (text == "day") return ReportBy::kDay;
-  if (text == "month") return ReportBy::kMonth;
+  for (const ReportBy by : {ReportBy::kShift, ReportBy::kDay, ReportBy::kMonth}) {
+    if (text == to_text(by)) return by;
+  }
   return std::nullopt;
 }
 
@@ -131,10 +139,10 @@ std::vector<ReportRow> report_rows(std::span<const Bucket> minutes,
 }
 
 std::string report_csv(const std::vector<ReportTable>& tables) {
-  std::string out = "channel,unit,from,to,min,mean,max,integral,covered\n";
+  std::string out = fmt::format("{}\n", fmt::join(kReportColumns, ","));
   for (const ReportTable& table : tables) {
     for (const ReportRow& row : table.rows) {
-      out += cli::csv_field(table.channel) + ',' + cli::csv_field(table.unit) + ',' +
+      out += csv_field(table.channel) + ',' + csv_field(table.unit) + ',' +
              csv_time(row.period.from) + ',' + csv_time(row.period.to);
       for (const auto& number : {row.min, row.mean, row.max, row.integral})
         append_number(out, number);

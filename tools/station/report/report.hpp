@@ -1,6 +1,7 @@
 // Totals of a channel by shift, day or month in local time, from its minutes. Pure.
 #pragma once
 
+#include <ctime>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,9 +14,18 @@
 namespace fieldcast::web {
 
 inline constexpr Duration kReportMinute = std::chrono::minutes{1};
+inline constexpr const char* kReportColumns[] = {"channel", "unit", "from",     "to",     "min",
+                                                 "mean",    "max",  "integral", "covered"};
+
+// In the time zone of the process.
+[[nodiscard]] std::tm local_parts(UtcTime at);
+// A minute of a day of a local month; days and months beyond the last one are in the next one.
+[[nodiscard]] UtcTime local_moment(const std::tm& month, int day, int minute);
 
 enum class ReportBy : std::uint8_t { kShift, kDay, kMonth };
-[[nodiscard]] std::optional<ReportBy> report_by(std::string_view text);  // "shift", "day", "month"
+// "shift", "day", "month"
+[[nodiscard]] std::optional<ReportBy> report_by(std::string_view text);
+[[nodiscard]] std::string_view to_text(ReportBy by);
 
 // "06:00,14:00,22:00" as minutes of the day in increasing order, 1 to 12; otherwise empty.
 [[nodiscard]] std::vector<int> shifts_from(std::string_view text);

@@ -17,6 +17,7 @@
 #include "tools/station/settings/notify_keys.hpp"
 #include "tools/station/settings/notify_rows.hpp"
 #include "tools/station/settings/origin_check.hpp"
+#include "tools/station/settings/report_keys.hpp"
 #include "tools/station/settings/text_list.hpp"
 
 namespace fieldcast::web {
@@ -61,7 +62,6 @@ std::string fault_of_pattern(const std::string& text) {
 }
 
 constexpr Duration kMostBackfill = std::chrono::hours{24 * 366};
-constexpr std::string_view kTexts = R"({ "type": "array", "items": { "type": "string" } })";
 
 const Rows<WebSpec>& web_rows() {
   static const Rows<WebSpec> rows(
@@ -84,11 +84,11 @@ const Rows<WebSpec>& web_rows() {
             .fallback = "[]",
             .text = "further names by which browsers reach the station, such as `station.plant`; "
                     "its address and localhost need none",
-            .schema = std::string(kTexts)}},
+            .schema = std::string(kTextList)}},
           {{.name = "embed",
             .fallback = "[]: nobody",
             .text = "sites that may show `/embed` in a frame, such as `https://wiki.plant`",
-            .schema = std::string(kTexts)}},
+            .schema = std::string(kTextList)}},
           field<WebSpec>(
               {.name = "local-role",
                .fallback = "`viewer` while there are no users, then `none`",
@@ -106,7 +106,7 @@ const Rows<RecordSpec>& record_rows() {
       {{{.name = "patterns",
          .fallback = "[\"*\"]: all",
          .text = "patterns `BUS/DEVICE/CHANNEL` of the channels whose samples are recorded",
-         .schema = std::string(kTexts)}},
+         .schema = std::string(kTextList)}},
        field<RecordSpec>(
            {.name = "backfill",
             .fallback = "1d",
@@ -156,6 +156,11 @@ const Rows<StationSpec>& station_rows() {
           {{.name = "notify",
             .fallback = "nobody is notified",
             .text = "mails, webhooks and a heartbeat, see notifications.md; needs `store`",
+            .schema = "{}"}},
+          {{.name = "reports",
+            .fallback = "[]",
+            .text = "reports that are made by schedule: a list of maps, each with a `name`; needs "
+                    "`store`",
             .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},
@@ -258,8 +263,8 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
                                 const config::FileReader& reader,
                                 const std::optional<ListenSpec>& listen, config::Places* places) {
   if (!config::is_empty(text) &&
-      !config::has_top_key(
-          text, {"station", "dds", "log", "web", "store", "record", "sites", "stream", "notify"}))
+      !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record", "sites",
+                                  "stream", "notify", "reports"}))
     return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
   const std::shared_ptr<const config::Document> document =
@@ -278,6 +283,8 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     read_store(file, spec.store);
     read_record(file, spec);
     read_notify(file, library, spec.notify);
+    read_reports(file, spec.notify ? spec.notify->targets : std::vector<NotifyTarget>{},
+                 spec.reports);
     read_web(file, spec, library, listen);
   } else if (faults.empty()) {
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));
@@ -318,6 +325,7 @@ std::vector<DocumentedKey> documented_keys() {
   add("record.", record_rows());
   add("stream.", stream_rows());
   for (const auto& [prefix, table] : notify_tables()) add(prefix, *table);
+  add("reports.", report_rows());
   return all;
 }
 

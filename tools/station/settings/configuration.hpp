@@ -13,6 +13,7 @@
 #include "core/model/spec.hpp"
 #include "tools/forward/outlet/nats/jetstream_spec.hpp"
 #include "tools/station/notify/notify_spec.hpp"
+#include "tools/station/report/report_spec.hpp"
 
 namespace fieldcast::web {
 
@@ -38,6 +39,7 @@ struct StationSpec {
   // `samples` has the patterns of the recorded channels; an empty list records nothing.
   std::optional<StoreSpec> store;
   std::optional<NotifySpec> notify;
+  std::vector<ReportSpec> reports;
   Duration backfill = std::chrono::hours{24};  // of the record; 0: missing samples stay missing
 };
 

@@ -8,6 +8,7 @@
 #include "config/document/scalars.hpp"
 #include "tools/forward/settings/login_keys.hpp"
 #include "tools/forward/settings/server_address.hpp"
+#include "tools/station/settings/item_list.hpp"
 #include "tools/station/settings/notify_rows.hpp"
 #include "tools/station/settings/text_list.hpp"
 
@@ -15,7 +16,6 @@ namespace fieldcast::web {
 namespace {
 
 using config::MapReader;
-using config::Rows;
 
 constexpr std::size_t kMaxTargets = 16, kMaxRules = 64, kMaxEscalations = 8;
 
@@ -152,25 +152,6 @@ void read_heartbeat(MapReader& notify, config::Library& library, HeartbeatSpec& 
     map.fault("url", "a heartbeat needs one of 'url' and 'url-file'", kHttp.example);
   if (!spec.http.server.empty())
     check_url(map, "url", spec.http.server, kHttp, spec.http.without_tls);
-}
-
-// Reads each map of the list `key`, whose `name` must be unique.
-template <class Item, class Read>
-void read_items(MapReader& map, std::string_view key, const Rows<Item>& rows, std::size_t most,
-                std::vector<Item>& items, Read read) {
-  const config::Node* node = map.find(key);
-  if (node == nullptr ||
-      !config::is_list(*node, key, 1, most, fmt::format("a list of up to {} maps", most),
-                       map.faults()))
-    return;
-  Names names;
-  for (const config::Node* each : node->items) {
-    MapReader item(*each, rows, map.faults());
-    read(item, items.emplace_back());
-    const std::string& name = items.back().name;
-    if (!name.empty() && !names.insert(name).second)
-      item.fault("name", fmt::format("the name '{}' appears twice", name), "a unique name");
-  }
 }
 
 }  // namespace

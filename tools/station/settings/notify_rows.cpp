@@ -2,6 +2,7 @@
 
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
+#include "tools/station/settings/text_list.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -19,7 +20,6 @@ constexpr std::pair<std::string_view, AlarmPriority> kPriorities[] = {
     {"high", AlarmPriority::kHigh},
     {"critical", AlarmPriority::kCritical}};
 constexpr std::pair<std::string_view, bool> kMethods[] = {{"post", false}, {"get", true}};
-constexpr std::string_view kTextList = R"({ "type": "array", "items": { "type": "string" } })";
 
 template <class Owner>
 config::Field<Owner> plain(const char* name, const char* fallback, const char* text,

@@ -13,6 +13,9 @@
 namespace fieldcast::web {
 
 inline constexpr std::size_t kMaxTexts = 64;  // entries of a list of names or sites
+// Of its schema.
+inline constexpr std::string_view kTextList =
+    R"({ "type": "array", "items": { "type": "string" } })";
 
 // `fault(text)` returns what is wrong, or an empty text.
 template <typename Fault>

@@ -7,6 +7,7 @@
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
 #include "tools/station/dashboard/dashboard_table.hpp"
+#include "tools/station/report/report_table.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {
@@ -52,6 +53,7 @@ class OpenApiTest : public test::ApiTest {
     return {.model = &model_,
             .commands = &commands_,
             .database = database(),
+            .reports = &reports_,
             .now = now(),
             .metrics = [] { return std::vector<Metric>{}; }};
   }
@@ -89,6 +91,9 @@ class OpenApiTest : public test::ApiTest {
     model_.put(plan);
     auto connection = open_store(address(), IfMissing::kCreate);
     EXPECT_TRUE(DashboardTable(*connection).save({.name = "pumps", .version = 1, .content = "{}"}));
+    EXPECT_TRUE(SavedReportTable(*connection).save({"energy", "c=line", "anna", utc(1)}));
+    ReportRunTable(*connection)
+        .put({"daily", "folder", "2026-11-28", utc(2), "daily_2026-11-28.csv"});
     EXPECT_EQ(PictureTable(*connection).save({{.name = "boiler", .content = "<svg/>"}, "svg"}), 1);
     store([](Store& to) {
       const auto number = to.number_of({.bus = "line", .device = "d", .channel = "speed"});
@@ -102,6 +107,8 @@ class OpenApiTest : public test::ApiTest {
 
   LiveModel model_{1};
   NoCommands commands_;
+  const std::vector<ReportSpec> reports_{
+      {.name = "daily", .channels = {Pattern()}, .folder = "/srv", .mail = {"crew"}}};
   Site site_;
 };
 
@@ -164,7 +171,7 @@ std::vector<std::string> json_targets() {
 
 TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
-  EXPECT_EQ(targets.size(), 18u);
+  EXPECT_EQ(targets.size(), 19u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",
                                  "/api/history?channel=line/d/speed&channel=line/d/none"});
   for (const std::string& target : targets) {

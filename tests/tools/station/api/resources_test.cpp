@@ -198,5 +198,24 @@ TEST_F(PlanApiTest, IsWhatTheBridgeReports) {
   EXPECT_EQ(json("/api/plan").size(), 1u);
 }
 
+class DocumentApiTest : public test::ApiTest {
+ protected:
+  void SetUp() override { add_routes(table_, {}); }
+};
+
+TEST_F(DocumentApiTest, ADocumentIsShownAsText) {
+  const HttpResponse response = ask("/api/document?name=station.md");
+  EXPECT_EQ(response.status, 200u);
+  EXPECT_EQ(response.content_type, "text/plain; charset=utf-8");
+  EXPECT_EQ(response.body.substr(0, 2), "# ");
+}
+
+TEST_F(DocumentApiTest, NoOtherFileIsShown) {
+  for (const char* name : {"", "..%2FREADME.md", "%2Fetc%2Fpasswd", "station.md%2F..", "Doxyfile",
+                           "README.md", "..md"})
+    EXPECT_EQ(ask(std::string("/api/document?name=") + name).status, 400u) << name;
+  EXPECT_EQ(ask("/api/document?name=no-such.md").status, 404u);
+}
+
 }  // namespace
 }  // namespace fieldcast::web

@@ -169,6 +169,26 @@ TEST(MessageText, ADigestHasItsLines) {
   EXPECT_EQ(json::parse(row.json)["more"], 7);
 }
 
+TEST(MessageText, AnAttachmentIsAPartOfTheMail) {
+  Notification row = rows_of(message(), spec(), "hall").at(0);
+  row.text = "See the file.\n";
+  row.attachment_name = "energy_2026-11-28.xlsx";
+  const std::string bytes(300, '\x80');
+  row.attachment = base64(bytes);
+  const std::string mail = mail_text(row, "station@plant.example");
+  const std::string boundary = "--fieldcast-" + row.id + "\r\n";
+  EXPECT_THAT(mail, HasSubstr("Content-Type: multipart/mixed; boundary=\"fieldcast-" + row.id +
+                              "\"\r\n\r\n" + boundary + "Content-Type: text/plain"));
+  EXPECT_THAT(mail, HasSubstr("filename=\"energy_2026-11-28.xlsx\"\r\n"));
+  const std::size_t first = mail.find("\r\n\r\n", mail.find(boundary)) + 4;
+  const std::size_t second = mail.find("\r\n\r\n", first) + 4;
+  EXPECT_EQ(decoded(mail.substr(first, mail.find("--", first) - first)), row.text);
+  EXPECT_EQ(decoded(mail.substr(second, mail.find("--", second) - second)), bytes);
+  EXPECT_TRUE(mail.ends_with("\r\n--fieldcast-" + row.id + "--\r\n"));
+  for (std::size_t at = 0, end = 0; (end = mail.find("\r\n", at)) != mail.npos; at = end + 2)
+    EXPECT_LE(end - at, 100u);
+}
+
 // RFC 4231, test case 2.
 TEST(Delivery, TheSignatureIsHmacSha256) {
   EXPECT_EQ(signature_of("Jefe", "what do ya want for nothing?"),

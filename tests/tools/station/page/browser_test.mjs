@@ -11,7 +11,7 @@ import { startMock } from './mock_station.mjs';
 const [files, modules] = process.argv.slice(2);
 const channel = 'boiler-house/device-01/speed-setpoint-1', trend = 'boiler-house/device-01/temperature-1';
 const pages = ['#/overview', '#/live', `#/channel/${trend}`, `#/channel/${channel}`, '#/alarms', '#/devices', '#/programming',
-  `#/history?c=${trend}&c=${channel}`, '#/history', '#/plan/press-shop', '#/audit', '#/dashboards', '#/dashboard/pumps', '#/channel/no/such/one'];
+  `#/history?c=${trend}&c=${channel}`, '#/history', '#/plan/press-shop', '#/reports', '#/audit', '#/dashboards', '#/dashboard/pumps', '#/channel/no/such/one'];
 const skip = chromiumPath() ? false : 'chromium is not installed: tools/install.sh test';
 let mock, guarded, browser;
 

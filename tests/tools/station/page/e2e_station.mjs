@@ -3,6 +3,7 @@
 //   node e2e_station.mjs ADDRESS NODE_MODULES STATION_PID [SCREENSHOTS]
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { clipped, startBrowser, until } from './browser.mjs';
 
@@ -10,7 +11,7 @@ const [address, modules, stationPid, screenshots] = process.argv.slice(2);
 const password = 'secret secret';
 const device = 'press-shop/press-1';
 const pages = ['#/overview', '#/live', `#/channel/${device}/pressure`, '#/alarms', '#/devices', '#/programming', `#/history?c=${device}/pressure&c=press-shop/press-2/pressure&span=1min`,
-  '#/plan/press-shop', '#/audit', '#/dashboards', '#/dashboard/press?press=1'];
+  '#/plan/press-shop', '#/audit', '#/dashboards', '#/dashboard/press?press=1', `#/reports?channel=${device}`];
 let browser, page;
 
 const settled = async () => {
@@ -157,6 +158,17 @@ test('a value beyond its limit raises an alarm, which is acknowledged', async ()
 test('history shows what the station recorded', async () => {
   await go(`#/history?c=${device}/pressure&span=1min`);
   await says('table.plain tbody', /samples|points/, 'the store answers');
+});
+
+test('a report of the store is a table and a spreadsheet, and the document of the page is there', async () => {
+  await go(`#/reports?channel=${device}/*`);
+  await says('main tbody', /press-1\/pressure/, 'a row');
+  const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'XLSX' }).click()]);
+  assert.equal(file.suggestedFilename(), 'report.xlsx');
+  assert.match(readFileSync(await file.path()).toString('latin1'), /^PK/);
+  const [shown] = await Promise.all([page.context().waitForEvent('page'), page.getByRole('link', { name: 'Docs' }).click()]);
+  await until(async () => /# The station in the browser/.test(await shown.textContent('body')), 'the document');
+  await shown.close();
 });
 
 test('every page: nothing clipped, no violation', async () => {

@@ -15,6 +15,7 @@ import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { mockDashboards } from './mock_dashboards.mjs';
+import { mockReports } from './mock_reports.mjs';
 import { MockConfiguration } from './mock_configuration.mjs';
 
 const contentTypes = {
@@ -190,7 +191,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
   const clients = new Set();
   const mock = { plant, configuration: new MockConfiguration(), planLoad: 0.46, refuse: false, silent: false, writes: [] };
-  const dashboards = mock.dashboards = mockDashboards();
+  const dashboards = mock.dashboards = mockDashboards(), reports = mock.reports = mockReports(plant);
   let nextRequest = 100;
 
   const caller = (request) => {
@@ -251,7 +252,8 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], messages: [] }],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
-    ...dashboards.get,
+    '/api/document': (url) => ({ csv: `# ${url.searchParams.get('name')}\n`, type: 'text/plain' }),
+    ...dashboards.get, ...reports.get,
     '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
       [404, { error: 'no bridge publishes a plan of this bus', hint: '' }]),
   };
@@ -260,7 +262,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/alarms/shelve': ({ user }, { alarms, minutes, note }) => changeAlarms(alarms, () => ({ shelved_until_ms: Date.now() + minutes * 60_000, shelved_by: user, note })),
     '/api/alarms/unshelve': (_, { alarms }) => changeAlarms(alarms, () => ({ shelved_until_ms: null, shelved_by: '' })),
     '/api/alarms/maintenance': (_, { bus, device, minutes }) => changeAlarms(plant.alarms.filter((alarm) => alarm.bus === bus && alarm.device === device), () => ({ suppressed: minutes ? 'maintenance' : '' })),
-    '/api/sessions/end': endSession,
+    '/api/sessions/end': endSession, ...reports.post,
     '/api/commands': ({ user }, body) => { write(user, body, (message) => tell(message)); return [202, { request_id: nextRequest - 1 }]; },
   };
 
@@ -308,7 +310,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     if (!found) return json(404, { error: 'no such resource', hint: '' });
     if (Array.isArray(found)) return json(...found);
     if (found.csv) {
-      response.writeHead(200, { ...headers, 'content-type': 'text/csv', 'content-disposition': `attachment; filename="${found.name}"` });
+      response.writeHead(200, { ...headers, 'content-type': found.type ?? 'text/csv', ...(found.name ? { 'content-disposition': `attachment; filename="${found.name}"` } : {}) });
       return response.end(found.csv);
     }
     if (found.svg) {

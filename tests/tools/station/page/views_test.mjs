@@ -216,10 +216,14 @@ test('History proposes the channels that were looked at last', { skip }, async (
   await page.context().close();
 });
 
-test('each page names its document', { skip }, async () => {
-  const page = await open('#/alarms');
-  await page.getByRole('button', { name: 'Keys and documentation' }).click();
-  await says(page, 'dialog', /docs\/alarms\.md/);
+test('each page links to its document', { skip }, async () => {
+  const page = await open('#/alarms', { width: 390, height: 800 });
+  const [shown] = await Promise.all([page.context().waitForEvent('page'), page.getByRole('link', { name: 'Docs' }).click()]);
+  await says(shown, 'body', /# alarms\.md/);
+  assert.match(shown.url(), /\/api\/document\?name=alarms\.md$/);
+  await shown.close();
+  await page.getByRole('button', { name: 'Keys' }).click();
+  await says(page, 'dialog', /g o/);
   assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
   await page.context().close();
 });

@@ -21,6 +21,12 @@ export interface Line {
   bad: Span[];
 }
 
+// Something that happened, as a mark on the time axis.
+export interface Mark {
+  at_ms: number;
+  text: string;
+}
+
 export interface ChartOptions {
   label: string;
   height: number;
@@ -68,6 +74,8 @@ export class Chart {
   private readonly probe = document.createElement('span');
   private readonly colours = new Map<string, string>();
   private lines: Line[] = [];
+  private past: readonly Line[] = [];  // each line one day before, in the same order
+  private marks: readonly Mark[] = [];
   private scales: Scale[] = [];
   private from_ms = 0;
   private to_ms = 1;
@@ -102,8 +110,8 @@ export class Chart {
     this.overlay.addEventListener('pointercancel', () => { this.dragFrom = undefined; });
   }
 
-  set(lines: Line[], from_ms: number, to_ms: number): void {
-    this.lines = lines;
+  set(lines: Line[], from_ms: number, to_ms: number, past: readonly Line[] = [], marks: readonly Mark[] = []): void {
+    Object.assign(this, { lines, past, marks });
     this.from_ms = from_ms;
     this.to_ms = Math.max(to_ms, from_ms + 1);
     this.draw();
@@ -168,9 +176,22 @@ export class Chart {
     this.drawLimits(ctx);
     this.lines.forEach((line, index) => this.drawBad(ctx, line, index));
     this.lines.forEach((line, index) => this.drawBand(ctx, line, index));
+    this.past.forEach((line, index) => this.drawLine(ctx, line, index, true));
     this.lines.forEach((line, index) => this.drawLine(ctx, line, index));
     ctx.restore();
+    this.drawMarks(ctx);
     this.drawOverlay();
+  }
+
+  private drawMarks(ctx: CanvasRenderingContext2D): void {
+    ctx.fillStyle = this.colour('--text');
+    for (const x of this.marks.map(({ at_ms }) => this.x(at_ms))) {
+      ctx.beginPath();
+      ctx.moveTo(x, this.bottom - 2);
+      ctx.lineTo(x - 5, this.bottom + 7);
+      ctx.lineTo(x + 5, this.bottom + 7);
+      ctx.fill();
+    }
   }
 
   // Range of the visible points, and one more on each side.
@@ -180,10 +201,10 @@ export class Chart {
 
   private makeScales(): Scale[] {
     const scales: Scale[] = [];
-    for (const [index, line] of this.lines.entries()) {
+    for (const [index, line] of [...this.lines, ...this.past].entries()) {
       let scale = scales.find((each) => each.unit === line.unit);
       if (!scale) scales.push((scale = { unit: line.unit, min: Infinity, max: -Infinity, lines: [], empty: false }));
-      scale.lines.push(index + 1);
+      if (index < this.lines.length) scale.lines.push(index + 1);
       const [first, end] = this.seen(line);
       for (let i = first; i < end; i++) {
         const low = line.min[i], high = line.max[i];
@@ -310,13 +331,13 @@ export class Chart {
     }
   }
 
-  private drawLine(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
+  private drawLine(ctx: CanvasRenderingContext2D, line: Line, index: number, past = false): void {
     const scale = this.scales.find((each) => each.unit === line.unit)!;
     const [first, end] = this.seen(line);
     ctx.strokeStyle = ctx.fillStyle = this.colour(colourOf(index));
-    ctx.lineWidth = 1.6;
+    ctx.lineWidth = past ? 1 : 1.6;
     ctx.lineJoin = 'round';
-    ctx.setLineDash([...dashOf(index)]);
+    ctx.setLineDash(past ? [3, 3] : [...dashOf(index)]);
     ctx.beginPath();
     let y = NaN;  // of the previous point; NaN after a gap
     for (let i = first; i < end; i++) {
@@ -338,7 +359,7 @@ export class Chart {
     }
     ctx.stroke();
     ctx.setLineDash([]);
-    if (this.lines.length > 1) this.drawNumber(ctx, line, index, scale);
+    if (this.lines.length > 1 && !past) this.drawNumber(ctx, line, index, scale);
   }
 
   // Writes the number of a line at its last visible point.
@@ -380,10 +401,12 @@ export class Chart {
     const at_ms = this.timeAt(pointer);
     ctx.fillStyle = this.colour('--muted');
     ctx.fillRect(Math.round(pointer), head, 1, this.bottom - head);
-    const values = this.lines.map((line, index) => {
+    const near = this.marks.filter((mark) => Math.abs(this.x(mark.at_ms) - pointer) < 7);
+    this.overlay.title = near.map(({ text }) => text).join('\n');
+    const values = [...this.lines, ...this.past].map((line, index) => {
       const i = indexAt(line.t, at_ms), value = line.average[i];
       if (value === null || value === undefined) return value;
-      ctx.fillStyle = this.colour(colourOf(index));
+      ctx.fillStyle = this.colour(colourOf(index % this.lines.length));
       ctx.beginPath();
       ctx.arc(this.x(line.t[i]!), this.y(value, this.scales.find((each) => each.unit === line.unit)!), 3.5, 0, 7);
       ctx.fill();

@@ -17,6 +17,7 @@ import * as login from './pages/login';
 import * as overview from './pages/overview';
 import * as plan from './pages/plan';
 import * as programming from './pages/programming';
+import * as reports from './pages/reports';
 
 interface Row {
   name: string;
@@ -35,6 +36,7 @@ const rows = [
   { name: 'devices', module: devices, key: 'd', doc: 'troubleshooting.md' },
   { name: 'programming', module: programming, key: 'p', doc: 'programming.md' },
   { name: 'history', module: history, key: 'h', doc: 'store.md' },
+  { name: 'reports', module: reports, key: 'r' },
   { name: 'audit', module: audit, key: 'u' },
   { name: 'configuration', module: configuration, key: 'c', engineer: true },
   { name: 'channel', module: channel, under: 'live', doc: 'qualities.md' },

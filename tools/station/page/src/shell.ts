@@ -139,7 +139,6 @@ export class Shell {
     ];
     render(html`<form method="dialog"><h2 id="help-title">${t('keys.title')}</h2>
       <dl class="keys">${rows.map(([key, text]) => html`<dt><kbd>${key}</kbd></dt><dd>${text}</dd>`)}</dl>
-      <p>${t('keys.doc', { file: `docs/${pageOf(this.name)?.doc ?? 'station.md'}` })}</p>
       <div class="dialog-buttons"><button class="primary">${t('close')}</button></div></form>`, dialog);
     dialog.addEventListener('close', () => dialog.remove());
     document.body.append(dialog);
@@ -223,13 +222,14 @@ export class Shell {
       return;
     }
     this.measureRate();
-    const { all, bad } = plant.count().get('')!;
+    const { all, bad } = plant.count().get('')!, file = pageOf(this.name)?.doc ?? 'station.md';
     render(html`<span class="ok">● ${t('connected')}</span>
       <span class="fixed">${t('line.rate', { n: count(this.rate) })}</span>
       <span class="wide">${t('line.channels', { n: count(all) })}</span>
       <span class=${bad ? 'bad' : ''}>${bad ? '▲ ' : ''}${t('line.bad', { n: count(bad) })}</span>
       <span class="space"></span>
-      <button type="button" class="plain help" title=${t('keys.title')} aria-label=${t('keys.doc-button')} @click=${() => this.help()}>?</button>
+      <a class="help" target="_blank" href=${`/api/document?name=${file}`} title=${t('keys.doc', { file })}>${t('keys.docs')}</a>
+      <button type="button" class="plain help" title=${t('keys.title')} aria-label=${t('keys.title')} @click=${() => this.help()}>?</button>
       <span class="wide muted">${this.me.user} · ${t(`role.${this.me.role}` as Key)}</span>
       <span class="clock">${clock(live.now())}</span>`, this.line);
   }

@@ -9,7 +9,7 @@ import { link } from './router';
 import { labelOf, spanOf, spans } from './spans';
 
 const shortest_ms = 1000;
-const offered = spans.filter((span) => span.ms >= 3_600_000);
+const long = spans.filter((span) => span.ms >= 3_600_000);
 
 export interface Range {
   from_ms: number;
@@ -39,16 +39,18 @@ export function typedRange(form: FormData): { from_ms: number; to_ms: number } |
   return from_ms > 0 && to_ms >= from_ms + shortest_ms ? { from_ms, to_ms } : undefined;
 }
 
-export function rangeTools(context: Context, range: Range, parts: readonly string[]): TemplateResult {
+// keep: further parameters of the address.
+export function rangeTools(context: Context, range: Range, parts: readonly string[], keep: Record<string, string | readonly string[]> = {},
+  offered: readonly { key: string }[] = long): TemplateResult {
   const { name } = context.route;
   const submit = (event: Event): void => {
     event.preventDefault();
     const typed = typedRange(new FormData(event.target as HTMLFormElement));
-    if (typed) context.go(link(name, parts, { from: String(typed.from_ms), to: String(typed.to_ms) }));
+    if (typed) context.go(link(name, parts, { ...keep, from: String(typed.from_ms), to: String(typed.to_ms) }));
     else context.say(t('range.wrong'), true);
   };
   return html`<span class="choice-row" role="group" aria-label=${t('range.span')}>${offered.map((span) => html`<button type="button" class="choice"
-      aria-pressed=${span.key === range.span} @click=${() => context.go(link(name, parts, { span: span.key }))}>${labelOf(span.key)}</button>`)}</span>
+      aria-pressed=${span.key === range.span} @click=${() => context.go(link(name, parts, { ...keep, span: span.key }))}>${labelOf(span.key)}</button>`)}</span>
     <form class="range" @submit=${submit}>
       ${timeField('from', range.from_ms)}${timeField('to', range.to_ms)}
       <button>${t('range.show')}</button>

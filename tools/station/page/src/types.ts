@@ -106,6 +106,27 @@ export interface AlarmEvent {
   until_ms: number | null;
 }
 
+export interface ReportRow {
+  from_ms: number;
+  covered: number;  // share of the period with a good value
+  min: number | null;
+  mean: number | null;
+  max: number | null;
+  integral: number | null;
+}
+
+export interface ReportTable {
+  channel: string;
+  unit: string;
+  rows: ReportRow[];
+}
+
+export interface Reports {
+  saved: { name: string; query: string }[];
+  scheduled: { name: string; channels: string[]; by: string; every: string; at: string }[];
+  runs: { report: string; result: string; made_ms: number }[];
+}
+
 export interface AuditEntry {
   at_ms: number;
   who: string;

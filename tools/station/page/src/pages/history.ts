@@ -5,22 +5,23 @@ import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
+import type { Line, Mark } from '../chart';
 import { chartLegend, swatch } from '../chart_legend';
 import type { Context, MakePage, Page } from '../context';
 import { count, decimalsOf, duration, fullTime, roundedValue } from '../format';
-import { t } from '../i18n';
+import { t, word } from '../i18n';
 import { html } from '../markup';
 import { recentChannels } from '../recent';
 import { channelLink, link } from '../router';
-import { labelOf, spanOf, spans } from '../spans';
-import { timeField, typedRange } from '../time_range';
+import { spans } from '../spans';
+import { rangeOf, rangeTools } from '../time_range';
 import { lineOf } from '../trend';
-import type { History, Series } from '../types';
+import type { AlarmEvent, AuditEntry, History, Series } from '../types';
 import { empty, errorText, makeElement } from '../view';
 
 export const texts = {
   'history.title': ['History', '历史'], 'history.add': ['Add a channel', '添加通道'], 'history.add-hint': ['bus/device/channel', '总线/设备/通道'],
-  'history.show': ['Show', '显示'], 'history.back': ['Zoom out', '缩小'],
+  'history.day': ['Day before', '前一天'], 'history.events': ['{n} events', '{n} 个事件'], 'history.back': ['Zoom out', '缩小'],
   'history.csv': ['Save as CSV', '保存为 CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
   'history.recent': ['Looked at last', '最近查看'], 'history.recent-all': ['The last {n} together', '最近 {n} 个一起显示'],
   'history.none-hint': ['Type a part of a name and take one of the list. The address of this page can be sent.', '输入名称的一部分，再从列表中选择。本页地址可以转发。'],
@@ -39,6 +40,7 @@ const points = 1000;
 const chartHeight = 380;
 const mostSuggestions = 50;
 const shortest_ms = 1000;
+const day_ms = 86_400_000;
 
 interface Figures {
   min: number;
@@ -66,9 +68,10 @@ class HistoryPage implements Page {
   readonly element = makeElement('history');
   private readonly chart: Chart;
   private readonly channels: string[];
-  private readonly span_ms: number;
-  private readonly fixed: { from_ms: number; to_ms: number } | undefined;
+  private readonly range;
+  private readonly compared: boolean;
   private answer: History | undefined;
+  private marks: Mark[] = [];
   private cursorAt: number | undefined;
   private cursorValues: (number | null | undefined)[] = [];
   private readonly asked = new AbortController();
@@ -78,12 +81,11 @@ class HistoryPage implements Page {
   constructor(private readonly context: Context) {
     const { query: address } = context.route;
     this.channels = address.getAll('c').slice(0, mostChannels);
-    this.span_ms = spanOf(address.get('span'), 3_600_000);
-    const from_ms = Number(address.get('from')), to_ms = Number(address.get('to'));
-    if (from_ms > 0 && to_ms >= from_ms + shortest_ms) this.fixed = { from_ms, to_ms };
+    this.range = rangeOf(context, '1h');
+    this.compared = address.has('compare');
     this.chart = new Chart({
       label: t('history.chart', { n: this.channels.length }), height: chartHeight,
-      onZoom: (from, to) => { if (to - from >= shortest_ms) this.go(this.channels, { from_ms: Math.floor(from), to_ms: Math.ceil(to) }); },
+      onZoom: (from, to) => { if (to - from >= shortest_ms) this.go(this.address(), { from_ms: Math.floor(from), to_ms: Math.ceil(to) }); },
       onCursor: (at_ms, values) => {
         this.cursorAt = at_ms;
         this.cursorValues = values;
@@ -105,30 +107,52 @@ class HistoryPage implements Page {
     this.chart.close();
   }
 
-  private window(): { from_ms: number; to_ms: number } {
-    return this.fixed ?? { from_ms: this.context.now() - this.span_ms, to_ms: this.context.now() };
+  // The parameters of the address, without the time.
+  private address(channels = this.channels, compared = this.compared): Record<string, string | readonly string[]> {
+    return { c: channels, ...(compared ? { compare: '' } : {}) };
   }
 
   // Every change is a new address, so the browser's Back button leaves a zoom.
-  private go(channels: readonly string[], window: { from_ms: number; to_ms: number } | { span: string } | undefined): void {
-    const span = this.context.route.query.get('span');
-    const when = window === undefined ? (this.fixed ? { from: String(this.fixed.from_ms), to: String(this.fixed.to_ms) } : span ? { span } : {}) :
-      'span' in window ? { span: window.span } : { from: String(window.from_ms), to: String(window.to_ms) };
-    this.context.go(link('history', [], { c: channels, ...when }));
+  private go(address: Record<string, string | readonly string[]>, { from_ms, to_ms, span = '' }: { from_ms: number; to_ms: number; span?: string } = this.range): void {
+    this.context.go(link('history', [], { ...address, ...(span ? { span } : { from: String(from_ms), to: String(to_ms) }) }));
+  }
+
+  private read(ago_ms: number): Promise<History> {
+    const { from_ms, to_ms } = this.range;
+    return request<History>(query('/api/history', { channel: this.channels, from: Math.floor(from_ms - ago_ms), to: Math.ceil(to_ms - ago_ms), points }), undefined, this.asked.signal);
+  }
+
+  private linesOf(answer: History | undefined, ago_ms = 0): Line[] {
+    return (answer?.series ?? []).filter((series) => !series.text).map((series) => {
+      const line = lineOf(series, series.channel, this.refreshOf(series.channel));
+      return { ...line, t: line.t.map((at) => at + ago_ms) };
+    });
   }
 
   private async load(): Promise<void> {
     if (!this.channels.length || !this.context.me.store) return;
-    const { from_ms, to_ms } = this.window();
+    const { from_ms, to_ms } = this.range;
     try {
-      this.answer = await request<History>(
-        query('/api/history', { channel: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), points }), undefined, this.asked.signal);
-      const shown = this.answer.series.filter((series) => !series.text);
-      this.chart.set(shown.map((series) => lineOf(series, series.channel, this.refreshOf(series.channel))), from_ms, to_ms);
+      const [answer, before] = await Promise.all([this.read(0), this.compared ? this.read(day_ms) : undefined, this.loadMarks().catch(() => undefined)]);
+      this.answer = answer;
+      this.chart.set(this.linesOf(answer), from_ms, to_ms, this.linesOf(before, day_ms), this.marks);
       this.draw();
     } catch (error) {
       if (!this.asked.signal.aborted) this.context.say(errorText(error), true);
     }
+  }
+
+  // Alarm events of the channels, and for operators the writes to them.
+  private async loadMarks(): Promise<void> {
+    const part = async <T>(path: string): Promise<T> => request<T>(
+      query(path, { from: Math.floor(this.range.from_ms), to: Math.ceil(this.range.to_ms), limit: 1000 }), undefined, this.asked.signal);
+    const [{ events }, { entries }] = await Promise.all([part<{ events: AlarmEvent[] }>('/api/alarms'),
+      this.context.mayOperate() ? part<{ entries: AuditEntry[] }>('/api/audit') : { entries: [] }]);
+    const found = [
+      ...events.map(({ at_ms, bus, device, channel, event, limit }) => ({ at_ms, path: `${bus}/${device}/${channel}`, text: `${word('event', event)} ${limit}` })),
+      ...entries.map(({ at_ms, target, what, who }) => ({ at_ms, path: target.split(/[ =]/)[0]!, text: `${what} ${who}` }))];
+    this.marks = found.filter(({ path }) => this.channels.includes(path)).sort((a, b) => a.at_ms - b.at_ms)
+      .map(({ at_ms, path, text }) => ({ at_ms, text: `${fullTime(at_ms)} ${path} ${text}` }));
   }
 
   private refreshOf(path: string): number {
@@ -139,7 +163,7 @@ class HistoryPage implements Page {
   private add(path: string): void {
     if (this.channels.includes(path) || !this.context.plant.ids.has(path)) return;
     if (this.channels.length >= mostChannels) this.context.say(t('history.full'), true);
-    else this.go([...this.channels, path], undefined);
+    else this.go(this.address([...this.channels, path]));
   }
 
   private readonly onType = (event: Event): void => {
@@ -164,17 +188,10 @@ class HistoryPage implements Page {
     return found;
   }
 
-  private readonly onSpan = (event: Event): void => {
-    event.preventDefault();
-    const typed = typedRange(new FormData(event.target as HTMLFormElement));
-    if (typed) this.go(this.channels, typed);
-    else this.context.say(t('range.wrong'), true);
-  };
-
   private zoomOut(): void {
-    const { from_ms, to_ms } = this.window();
+    const { from_ms, to_ms } = this.range;
     const more = to_ms - from_ms;
-    this.go(this.channels, { from_ms: Math.floor(from_ms - more / 2), to_ms: Math.min(Math.ceil(this.context.now()), Math.ceil(to_ms + more / 2)) });
+    this.go(this.address(), { from_ms: Math.floor(from_ms - more / 2), to_ms: Math.min(Math.ceil(this.context.now()), Math.ceil(to_ms + more / 2)) });
   }
 
   private draw(): void {
@@ -182,22 +199,19 @@ class HistoryPage implements Page {
       render(html`<h1 class="unseen">${t('history.title')}</h1>${empty(t('history.no-store'), t('history.no-store-hint'))}`, this.element);
       return;
     }
-    const { from_ms, to_ms } = this.window();
+    const { from_ms, to_ms } = this.range;
     render(html`<h1 class="unseen">${t('history.title')}</h1>
       <div class="tools">
         <form class="tools" @submit=${this.onAdd}><input id="add-channel" class="filter" list="paths" autocomplete="off" spellcheck="false" aria-label=${t('history.add')}
           placeholder=${`${t('history.add')}: ${t('history.add-hint')}`} .value=${this.typed} @input=${this.onType}></form>
         <datalist id="paths">${this.suggestions().map((path) => html`<option value=${path}></option>`)}</datalist>
-        <div class="choice-row" role="group" aria-label=${t('history.show')}>${spans.map(({ key, ms }) => html`
-          <button type="button" class="choice" aria-pressed=${!this.fixed && this.span_ms === ms} @click=${() => this.go(this.channels, { span: key })}>${labelOf(key)}</button>`)}</div>
-        <form class="tools" @submit=${this.onSpan}>
-          ${timeField('from', from_ms)}${timeField('to', to_ms)}
-          <button>${t('history.show')}</button>
-        </form>
+        ${rangeTools(this.context, this.range, [], this.address(), spans)}
         <button type="button" @click=${() => this.zoomOut()} ?disabled=${!this.channels.length}>${t('history.back')}</button>
+        <button type="button" class="choice" aria-pressed=${this.compared} @click=${() => this.go(this.address(this.channels, !this.compared))}>${t('history.day')}</button>
         ${this.channels.length ? html`<a download href=${query('/api/export', { channel: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' })}>${t('history.csv')}</a>` : ''}
       </div>
-      ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}${chartLegend(this.channels.length > 1)}</section>${this.table()}` :
+      ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}${chartLegend(this.channels.length > 1)}${this.marks.length ? html`<details><summary>${t('history.events', { n: this.marks.length })}</summary>
+        <ul>${this.marks.map(({ text }) => html`<li>${text}</li>`)}</ul></details>` : nothing}</section>${this.table()}` :
         html`${empty(t('history.none'), t('history.none-hint'))}${this.recent()}`}`, this.element);
   }
 
@@ -212,7 +226,7 @@ class HistoryPage implements Page {
   private table(): TemplateResult {
     return html`<div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('history.title')}><table class="plain">
       <caption class="muted">${this.cursorAt === undefined ? t('history.drag') : t('history.cursor', { time: fullTime(this.cursorAt) })}</caption>
-      <thead><tr><th scope="col">${t('history.channel')}</th><th scope="col" class="number">${t('history.value')}</th><th scope="col">${t('history.unit')}</th>
+      <thead><tr><th scope="col">${t('history.channel')}</th><th scope="col" class="number">${t('history.value')}</th>${this.compared ? html`<th scope="col" class="number">${t('history.day')}</th>` : nothing}<th scope="col">${t('history.unit')}</th>
         <th scope="col" class="number">${t('history.min')}</th><th scope="col" class="number">${t('history.average')}</th>
         <th scope="col" class="number">${t('history.max')}</th><th scope="col" class="number">${t('history.bad')}</th><th scope="col">${t('history.resolution')}</th><td></td></tr></thead>
       <tbody>${this.channels.map((path) => this.row(path))}</tbody></table></div>`;
@@ -225,15 +239,16 @@ class HistoryPage implements Page {
     const figures = series && !series.text ? figuresOf(series) : undefined;
     const type = series?.type ?? '', decimals = figures ? decimalsOf(type, [figures.min, figures.max]) : 0;
     const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, type, decimals + more) : '–');
+    const read = (index: number): string => (line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[index]) : '');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
     return html`<tr>
       <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
-      <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
+      <td class="number"><b>${read(line)}</b></td>${this.compared ? html`<td class="number">${read(line + drawn.length)}</td>` : nothing}<td>${series?.unit}</td>
       <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
       <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
       <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
-        @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
+        @click=${() => this.go(this.address(this.channels.filter((each) => each !== path)))}>✕</button></td></tr>`;
   }
 }
 
