@@ -197,6 +197,12 @@ create table notifications (
 create index notifications_waiting on notifications (target, next_at) where state = 'waiting';
 create index notifications_made on notifications (made_at);
 )",
+    // Samples of a device that arrived late (late_table.hpp). Times are UTC in nanoseconds.
+    R"(
+create table late_ranges (
+  bus text not null, device text not null, start bigint not null, until bigint not null,
+  samples bigint not null, received_at bigint not null, primary key (bus, device, start)) {clustered};
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

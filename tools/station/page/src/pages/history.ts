@@ -7,7 +7,7 @@ import { query, request } from '../api';
 import { Chart } from '../chart';
 import { chartLegend, swatch } from '../chart_legend';
 import type { Context, MakePage, Page } from '../context';
-import { count, decimalsOf, duration, fullTime, roundedValue } from '../format';
+import { count, decimalsOf, duration, fullTime, roundedValue, time } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
 import { recentChannels } from '../recent';
@@ -227,11 +227,12 @@ class HistoryPage implements Page {
     const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, type, decimals + more) : '–');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
+    const late = series?.late?.slice(-3).map((each) => `${time(each.from_ms)}–${time(each.to_ms)}`).join(', ');
     return html`<tr>
       <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
       <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
-      <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
+      <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}${late ? html`<br><span class="warn">${t('site.late')}: ${late}</span>` : nothing}</td>
       <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
   }
