@@ -341,6 +341,9 @@ class Stream(unittest.TestCase):
             self.assertGreater(len(inside), OUTAGE * 4)
             late = [message for message in stored() if message.subject.startswith("fieldcast-late.")]
             self.assertTrue(late, "nothing was sent late")
+            found = web.get(f"/api/history?channel=north:line/press.1/temperature&from={int(began * 1000)}&to={int(back * 1000)}")["series"][0]["late"]
+            self.assertTrue(any(each["from_ms"] < back * 1000 and each["to_ms"] > began * 1000 and each["samples"] > 0 and
+                                each["received_ms"] > back * 1000 - 500 for each in found), f"{found} {began} {back}")
 
     def test_4_messages_that_cannot_be_decoded_are_skipped(self):
         with station() as running:

@@ -140,8 +140,9 @@ void WebStation::State::join_domain() {
   std::set<std::string> names;
   for (const DdsSite& one : spec.sites) names.insert(one.name);
   if (spec.stream)
-    stream = std::make_unique<StreamReader>(*spec.stream, spec.name, std::move(names),
-                                            domain->inbox(), store.get(), recorder.get(), on_alarm);
+    stream = std::make_unique<StreamReader>(
+        *spec.stream, spec.name, std::move(names), domain->inbox(), store.get(),
+        spec.store ? StoreAddress(spec.store->address) : StoreAddress(), recorder.get(), on_alarm);
   if (spec.stream && spec.stream_commands)
     domain->set_stream(
         stream->allow_commands([this](std::uint64_t id, const StationOutcome& outcome) {

@@ -209,6 +209,12 @@ create table report_runs (
 alter table notifications add column attachment_name text not null default '';
 alter table notifications add column attachment text not null default '';
 )",
+    // Samples of a device that arrived late (late_table.hpp). Times are UTC in nanoseconds.
+    R"(
+create table late_ranges (
+  bus text not null, device text not null, start bigint not null, until bigint not null,
+  samples bigint not null, received_at bigint not null, primary key (bus, device, start)) {clustered};
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

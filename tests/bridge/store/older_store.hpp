@@ -8,6 +8,7 @@ namespace fieldcast::test {
 
 // Reverts the changes of the later versions. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
+  if (version < 12) connection.script("drop table late_ranges");
   if (version < 11)
     connection.script(
         "drop table notifications; drop table notify_windows; drop table notify_progress");

@@ -66,6 +66,14 @@ std::string series_json(const HistorySeries& series) {
     add_texts(object, series);
   else
     add_numbers(object, series.rows);
+  column(object, "late", series.late, [](std::string& out, const LateRange& range) {
+    out += JsonObject()
+               .add("from_ms", unix_ms(range.from))
+               .add("to_ms", unix_ms(range.to))
+               .add("samples", range.samples)
+               .add("received_ms", range.received_at)
+               .take();
+  });
   return object.take();
 }
 
@@ -141,6 +149,7 @@ std::vector<HistorySeries> read_history(SqlConnection& connection,
     series.channel = found.value_or(
         StoredChannel{.bus = path.bus, .device = path.device, .channel = path.channel});
     if (!series.known) continue;
+    series.late = LateTable(connection).ranges(path.bus, path.device, question.from, question.to);
     if (is_text(series.channel))
       read_texts(connection, question, series);
     else if (!read_samples(connection, question, series))

@@ -6,6 +6,7 @@
 
 #include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/bucket.hpp"
+#include "bridge/store/tiers/late_table.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/channel_pattern.hpp"
 
@@ -24,13 +25,15 @@ struct HistorySeries {
     std::string text;
   };
   std::vector<Text> texts;
-  bool cut = false;  // more texts follow than were requested
+  bool cut = false;             // more texts follow than were requested
+  std::vector<LateRange> late;  // of its device
 };
 
 // {"from_ms", "to_ms", "series": [{"channel", "known", "unit", "type", "tier", "bucket_ms", "t":
 // [], "min": [], "max": [], "average": [], "last": [], "count": [], "bad": []}]}. A text channel
 // has "t", "text", "quality" and "cut" instead. The numbers of a bucket without a good sample are
-// null.
+// null. "late" has the times of samples of the device that arrived late: [{"from_ms", "to_ms",
+// "samples", "received_ms"}].
 [[nodiscard]] std::string history_json(UtcTime from, UtcTime to,
                                        const std::vector<HistorySeries>& series);
 

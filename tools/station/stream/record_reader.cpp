@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bridge/base/clock.hpp"
+#include "bridge/log/log.hpp"
 #include "bridge/store/store.hpp"
 #include "tools/forward/outlet/nats/subject.hpp"
 #include "tools/station/stream/stream_recorder.hpp"
@@ -141,10 +142,24 @@ class RecordReader {
     while (!store_.flush(kFlush)) {
       if (shared_.is_ending()) return;
     }
+    note_late();
     session_.acknowledge(done_);
     done_.clear();
     rows_ = 0;
     committed_ = steady_now();
+  }
+
+  // What cannot be stored is only missing as a mark: the samples are there.
+  void note_late() {
+    const std::vector<StreamRecorder::Late> late = recorder_.take_late();
+    if (late.empty()) return;
+    try {
+      const auto connection = open_store(shared_.store, IfMissing::kCreate);
+      for (const auto& [bus, device, range] : late) LateTable(*connection).add(bus, device, range);
+    } catch (const StoreError& error) {
+      log_counted(LogLevel::kWarning, "stream", "marks of late samples that were not stored",
+                  error.what());
+    }
   }
 
   StreamShared& shared_;

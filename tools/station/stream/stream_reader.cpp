@@ -17,12 +17,13 @@ struct StreamReader::State {
 
 StreamReader::StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
                            std::set<std::string> taken, DomainInbox& inbox, Store* store,
-                           Recorder* recorder,
+                           StoreAddress store_address, Recorder* recorder,
                            std::function<void(const StationAlarmStatus&)> on_alarm)
     : state_(std::make_unique<State>()) {
   StreamShared& shared = state_->shared;
   shared.spec = spec;
   shared.station = station;
+  shared.store = std::move(store_address);
   shared.sites.reserve(std::move(taken));
   const bool records = store != nullptr && recorder != nullptr;
   state_->threads.emplace_back([&shared, &inbox, recorder, on_alarm = std::move(on_alarm)] {

@@ -21,10 +21,11 @@ class StreamReader {
  public:
   // `station`: its name, which names its position in the stream. `taken`: names of its DDS sites,
   // which a site of the stream may not have. `store` and `recorder` are null if nothing is
-  // recorded. All must outlive this object. `on_alarm` is called on a thread of this
+  // recorded; `store_address` is that of `store`. All must outlive this object. `on_alarm` is called on a thread of this
   // object and must not block.
   StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
-               std::set<std::string> taken, DomainInbox& inbox, Store* store, Recorder* recorder,
+               std::set<std::string> taken, DomainInbox& inbox, Store* store,
+               StoreAddress store_address, Recorder* recorder,
                std::function<void(const StationAlarmStatus&)> on_alarm = {});
   // Allows commands to the sites; their route exists as long as this object.
   [[nodiscard]] CommandRoute& allow_commands(SiteCommands::OnOutcome on_outcome);

@@ -58,6 +58,20 @@ StreamRecorder::Device& StreamRecorder::device_of(const StreamBatch& batch) {
   return device;
 }
 
+void StreamRecorder::add_late(const StreamBatch& batch, const std::vector<SampleRow>& rows) {
+  const auto [first, last] = std::ranges::minmax_element(rows, {}, &SampleRow::published_at);
+  LateRange range{first->published_at, last->published_at, rows.size(), batch.stored_at};
+  const auto known = std::ranges::find_if(late_, [&](const Late& late) {
+    return late.bus == batch.samples.bus && late.device == batch.samples.device &&
+           is_near(late.range, range);
+  });
+  if (known == late_.end()) {
+    late_.push_back({batch.samples.bus, batch.samples.device, range});
+  } else {
+    known->range = joined(known->range, range);
+  }
+}
+
 std::size_t StreamRecorder::record(const StreamBatch& batch) {
   const Device& device = device_of(batch);
   const std::vector<UtcTime> times = stored_times(batch);
@@ -84,6 +98,7 @@ std::size_t StreamRecorder::record(const StreamBatch& batch) {
                     .value = sample.value});
   }
   counters_.recorded += rows.size();
+  if (batch.is_late && !rows.empty()) add_late(batch, rows);
   store_.put(rows);
   return rows.size();
 }

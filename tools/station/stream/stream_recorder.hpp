@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "bridge/store/store.hpp"
+#include "bridge/store/tiers/late_table.hpp"
 #include "tools/station/stream/received_sequences.hpp"
 #include "tools/station/stream/stream_batch.hpp"
 
@@ -35,6 +37,13 @@ class StreamRecorder {
   // Returns the number of rows that were put into the queue of the store.
   std::size_t record(const StreamBatch& batch);
 
+  // The late samples that were recorded since the last call.
+  struct Late {
+    std::string bus, device;
+    LateRange range;
+  };
+  [[nodiscard]] std::vector<Late> take_late() { return std::exchange(late_, {}); }
+
   struct Counters {
     std::uint64_t recorded = 0;
     std::uint64_t repeated = 0;  // duplicates
@@ -53,10 +62,12 @@ class StreamRecorder {
     std::unordered_map<std::string, Channel> channels;
   };
   Device& device_of(const StreamBatch& batch);
+  void add_late(const StreamBatch& batch, const std::vector<SampleRow>& rows);
 
   Store& store_;
   std::unordered_map<std::string, Device> devices_;  // by "SITE:BUS/DEVICE"
   std::size_t channels_ = 0;
+  std::vector<Late> late_;  // at most one for each batch that was recorded since take_late()
   Counters counters_;
 };
 

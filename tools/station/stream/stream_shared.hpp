@@ -26,6 +26,7 @@ inline constexpr std::size_t kStreamParts = 3;
 struct StreamShared {
   forward::JetStreamSpec spec;
   std::string station;  // its name
+  StoreAddress store;   // of the record
   std::atomic<bool> commands = false;
 
   CatalogueCache catalogues;

@@ -65,6 +65,18 @@ TEST_F(HistoryApiTest, AGapStaysAGap) {
                                       ms(80) + "," + ms(90) + "]");
 }
 
+TEST_F(HistoryApiTest, SamplesThatArrivedLateAreNamed) {
+  store_seconds(100);
+  const auto connection = open_store(address(), IfMissing::kCreate);
+  LateTable table(*connection);
+  table.add("line", "press", {utc(20), utc(30), 11, utc(95)});
+  table.add("line", "other", {utc(20), utc(30), 1, utc(95)});
+  EXPECT_EQ(series("from=" + ms(0) + "&to=" + ms(100)).at("late").dump(),
+            "[{\"from_ms\":" + ms(20) + ",\"to_ms\":" + ms(30) +
+                ",\"samples\":11,\"received_ms\":" + ms(95) + "}]");
+  EXPECT_TRUE(series("from=" + ms(40) + "&to=" + ms(100)).at("late").empty());
+}
+
 TEST_F(HistoryApiTest, BadSamplesAreCountedAndGiveNoNumber) {
   store([](Store& to) {
     const auto number = to.number_of({.bus = "line", .device = "press", .channel = "t"});

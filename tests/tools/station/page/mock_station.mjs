@@ -142,11 +142,11 @@ export function encodeFrame(channels) {
 }
 
 // `empty`: the paths of channels without a stored sample. `badFrom`: when the fault of a path began.
-function history(url, { empty = new Set(), badFrom = new Map() }) {
+function history(url, { empty = new Set(), badFrom = new Map(), late = [] }) {
   const from = Number(url.searchParams.get('from')), to = Number(url.searchParams.get('to')), points = Number(url.searchParams.get('points')) || 1000;
   const bucket_ms = Math.max(1000, Math.ceil((to - from) / points / 1000) * 1000);
   const series = url.searchParams.getAll('channel').map((channel, index) => {
-    const each = { channel, unit: index % 2 ? 'bar' : '°C', type: 'float32', tier: bucket_ms >= 60_000 ? 'minute' : 'raw', bucket_ms, t: [], min: [], max: [], average: [], last: [], count: [], bad: [] };
+    const each = { channel, unit: index % 2 ? 'bar' : '°C', type: 'float32', tier: bucket_ms >= 60_000 ? 'minute' : 'raw', bucket_ms, t: [], min: [], max: [], average: [], last: [], count: [], bad: [], late };
     for (let t = Math.ceil(from / bucket_ms) * bucket_ms; t < to && !empty.has(channel); t += bucket_ms) {
       const gap = badFrom.has(channel) ? t >= badFrom.get(channel) : Math.floor(t / bucket_ms) % 211 > 204;
       const value = 50 + 40 * Math.sin(t / 20_000 / (1 + bucket_ms / 30_000) + index);

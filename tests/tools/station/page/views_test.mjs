@@ -57,6 +57,15 @@ test('a trend without a value says so and has no invented axis', { skip }, async
   await page.context().close();
 });
 
+test('samples that arrived late are marked', { skip }, async () => {
+  const from_ms = new Date(2026, 0, 2, 10, 0, 0).getTime();
+  mock.late = [{ from_ms, to_ms: from_ms + 60_000, samples: 5, received_ms: from_ms + 90_000 }];
+  const page = await open(`#/history?c=${device}/temperature-1&span=10min`);
+  await says(page, 'tbody', /Late samples: 2026-01-02 10:00:00–2026-01-02 10:01:00/);
+  mock.late = undefined;
+  await page.context().close();
+});
+
 test('curves differ by dash and number, and each axis names its curves', { skip }, async () => {
   const names = ['temperature-1', 'pressure-1', 'temperature-2', 'pressure-2'].map((name) => `c=${device}/${name}`).join('&');
   const page = await open(`#/history?${names}&span=10min`);

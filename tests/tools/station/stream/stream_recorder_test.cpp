@@ -51,6 +51,24 @@ TEST_F(StreamRecorderTest, LateSamplesFillTheGapInOrder) {
   EXPECT_THAT(stored(), ElementsAre(1, 2, 3, 4, 5, 6, 7));
 }
 
+TEST_F(StreamRecorderTest, RangesOfLateSamplesAreNoted) {
+  start();
+  recorder_->record(batch_of({sample(1), sample(2)}, at(3)));
+  EXPECT_TRUE(recorder_->take_late().empty());
+  recorder_->record(batch_of({sample(3), sample(4)}, at(9), true));
+  recorder_->record(batch_of({sample(5)}, at(10), true));
+  recorder_->record(batch_of({sample(5)}, at(11), true));
+  recorder_->record(batch_of({sample(500)}, at(600), true));
+  const auto late = recorder_->take_late();
+  ASSERT_EQ(late.size(), 2U);
+  EXPECT_EQ(late[0].bus, "north:line");
+  EXPECT_EQ(late[0].device, "press");
+  EXPECT_EQ(late[0].range, (LateRange{at(3), at(5), 3, at(10)})) << "a repeated one is not counted";
+  EXPECT_EQ(late[1].range.samples, 1U);
+  EXPECT_TRUE(recorder_->take_late().empty());
+  stop();
+}
+
 TEST_F(StreamRecorderTest, ARepeatedBatchIsStoredOnce) {
   start();
   recorder_->record(batch_of({sample(1), sample(2)}, at(3)));

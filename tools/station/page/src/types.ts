@@ -241,6 +241,7 @@ export interface Series {
   bad: number[];
   text?: string[];
   quality?: string[];
+  late?: { from_ms: number; to_ms: number; received_ms: number }[];  // samples of its device that arrived late
 }
 
 export interface History {

@@ -8,7 +8,7 @@ import { Chart } from '../chart';
 import type { Line, Mark } from '../chart';
 import { chartLegend, swatch } from '../chart_legend';
 import type { Context, MakePage, Page } from '../context';
-import { count, decimalsOf, duration, fullTime, roundedValue } from '../format';
+import { count, decimalsOf, duration, fullTime, roundedValue, time } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { recentChannels } from '../recent';
@@ -242,11 +242,12 @@ class HistoryPage implements Page {
     const read = (index: number): string => (line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[index]) : '');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
+    const late = series?.late?.slice(-3).map((each) => `${time(each.from_ms)}–${time(each.to_ms)}`).join(', ');
     return html`<tr>
       <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${read(line)}</b></td>${this.compared ? html`<td class="number">${read(line + drawn.length)}</td>` : nothing}<td>${series?.unit}</td>
       <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
-      <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
+      <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}${late ? html`<br><span class="warn">${t('site.late')}: ${late}</span>` : nothing}</td>
       <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.address(this.channels.filter((each) => each !== path)))}>✕</button></td></tr>`;
   }
