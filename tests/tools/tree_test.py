@@ -114,7 +114,7 @@ JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
 # Constant texts: JSON schemas, and hints that show a client the correct request.
 JSON_BY_HAND_IN = {
     "tools/station/settings/configuration.cpp", "tools/station/api/commands.cpp",
-    "tools/station/settings/notify_rows.cpp", "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
+    "tools/station/settings/text_list.hpp", "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
 }
 
 

@@ -8,7 +8,11 @@ namespace fieldcast::test {
 
 // Reverts the changes of the later versions. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
-  if (version < 12) connection.script("drop table late_ranges");
+  if (version < 13) connection.script("drop table late_ranges");
+  if (version < 12)
+    connection.script(
+        "drop table reports; drop table report_runs; alter table notifications drop column "
+        "attachment_name; alter table notifications drop column attachment");
   if (version < 11)
     connection.script(
         "drop table notifications; drop table notify_windows; drop table notify_progress");

@@ -9,8 +9,8 @@
 
 namespace fieldcast::web {
 
-// The bytes of an XLSX file with the columns of report_csv(). Times are local, without a zone. Fails
-// with the reason if there is no memory or no space for temporary files.
+// The bytes of an XLSX file with the columns of report_csv(). Times are local, without a zone.
+// Fails with the reason if there is no memory or no space for temporary files.
 [[nodiscard]] tl::expected<std::string, std::string> report_xlsx(
     const std::vector<ReportTable>& tables);
 

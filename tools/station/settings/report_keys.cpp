@@ -99,7 +99,7 @@ const Rows<ReportSpec>& report_rows() {
                              .text = "`day`: each day, about the day before; `month`: on the first "
                                      "of a month, about the month before"},
                             &ReportSpec::monthly, config::ChoiceRule<bool>{kEvery}),
-          plain("at", "`06:10`", "when it is made, in local time", R"({ "type": "string" })"),
+          plain("at", "`06:10`", "when it is made, in local time", "{}"),
           field<ReportSpec>({.name = "format", .fallback = "`xlsx`", .text = "of the file"},
                             &ReportSpec::csv, config::ChoiceRule<bool>{kFormats}),
           field<ReportSpec>({.name = "to",
