@@ -132,8 +132,7 @@ class HistoryPage implements Page {
   }
 
   private refreshOf(path: string): number {
-    const { plant } = this.context;
-    return plant.channels.get(plant.ids.get(path) ?? -1)?.refresh_ms ?? 0;
+    return this.context.plant.channelOf(path)?.refresh_ms ?? 0;
   }
 
   private add(path: string): void {
@@ -223,14 +222,14 @@ class HistoryPage implements Page {
     const drawn = this.answer?.series.filter((each) => !each.text) ?? [];
     const line = series ? drawn.indexOf(series) : -1;
     const figures = series && !series.text ? figuresOf(series) : undefined;
-    const type = series?.type ?? '', decimals = figures ? decimalsOf(type, [figures.min, figures.max]) : 0;
-    const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, type, decimals + more) : '–');
+    const shown = { ...this.context.plant.channelOf(path), type: series?.type ?? '' }, decimals = figures ? decimalsOf(shown, [figures.min, figures.max]) : 0;
+    const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, shown, decimals + more) : '–');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
     return html`<tr>
       <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
-      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
+      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, shown.type.startsWith('float') || shown.digits !== undefined ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
       <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
       <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
