@@ -72,6 +72,9 @@ class OpenApiTest : public test::ApiTest {
     device.device = "d";
     device.report.areas.push_back({.area = "holding"});
     model_.put(device);
+    model_.put(StationDeviceDescription{
+        .bus = "line", .device = "d", .protocol = "modbus-rtu", .digits = {{"speed", {1, true}}}});
+    model_.put(Interest{"panel", "line/*", std::chrono::seconds{1}});
     LiveAlarm alarm;
     alarm.bus = "line";
     alarm.state = "unacknowledged";
@@ -164,7 +167,7 @@ std::vector<std::string> json_targets() {
 
 TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
-  EXPECT_EQ(targets.size(), 18u);
+  EXPECT_EQ(targets.size(), 19u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",
                                  "/api/history?channel=line/d/speed&channel=line/d/none"});
   for (const std::string& target : targets) {
