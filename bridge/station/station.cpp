@@ -39,6 +39,7 @@ std::function<void(const Message&)> at_site(const std::string& prefix,
   if (!handler || prefix.empty()) return handler;
   return [prefix, handler = std::move(handler)](Message message) {
     if constexpr (requires { message.bus; }) message.bus.insert(0, prefix);
+    if constexpr (requires { message.pattern; }) message.pattern.insert(0, prefix);
     if constexpr (requires { message.alarm.bus; }) message.alarm.bus.insert(0, prefix);
     if constexpr (requires { message.bridge; }) message.bridge.insert(0, prefix);
     if constexpr (requires { message.buses; })
@@ -287,6 +288,12 @@ void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> o
     if (gone) gone(last.bus);
   };
   state_->subscribe(kReadPlanTopic, std::move(on_plan), std::move(on_gone), whole, last_bus);
+}
+
+void Station::subscribe_interests(std::function<void(const Interest&)> on_interest,
+                                  std::function<void(const Interest&)> gone) {
+  static constexpr auto kOptional = optional(kInterestTopic);
+  state_->subscribe(kOptional, std::move(on_interest), std::move(gone));
 }
 
 bool Station::may_command() const {

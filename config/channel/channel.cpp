@@ -251,7 +251,7 @@ void check_numbers(MapReader& map, Draft& draft) {
   check_deadband(map, spec);
   if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
-  for (const std::string_view key : {"scale", "offset", "limits"}) {
+  for (const std::string_view key : {"digits", "scale", "offset", "limits"}) {
     if (map.has(key))
       map.fault(key, fmt::format("'{}' at a {}", key, type), "a channel of a numeric type");
   }

@@ -131,6 +131,12 @@ std::vector<ChannelRow> channel_fields() {
                    true},
                   &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
       channel_row({"unit", "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
+      channel_row({"digits",
+                   "those of `scale` and `offset` for integers; of floats, about five "
+                   "significant ones",
+                   "decimals with which the pages of the station show the value; the published "
+                   "value is not rounded"},
+                  &ChannelSpec::digits, WholeRule{0, kMostDigits}),
       channel_row({"description", "none"}, &ChannelSpec::description, TextRule{kMaxDescription}),
       channel_row({"scale", "1", "value = raw × scale + offset"}, &Encoding::scale, NumberRule{}),
       channel_row({"offset", "0", "value = raw × scale + offset"}, &Encoding::offset, NumberRule{}),

@@ -21,19 +21,33 @@ struct ChannelSpec {
   Duration refresh = std::chrono::seconds{1};
   Mode mode = Mode::kScheduled;
   Access access = Access::kReadOnly;
-  bool on_interest = false;           // `acquire: on-interest`
-  bool unsolicited = false;           // the device sends it by itself; never requested
-  int priority = 0;                   // higher values are stretched later under overload; -100..100
-  double elasticity = 1;              // its share of a stretch within its priority; 0.1..10
-  std::string unit;                   // "°C", up to 32 bytes
-  std::string description;            // up to 256 bytes
-  std::optional<double> deadband;     // smaller changes are not published
-  std::optional<Duration> heartbeat;  // with a deadband: the longest gap; default: the refresh
+  bool on_interest = false;  // `acquire: on-interest`
+  bool unsolicited = false;  // the device sends it by itself; never requested
+  int priority = 0;          // higher values are stretched later under overload; -100..100
+  double elasticity = 1;     // its share of a stretch within its priority; 0.1..10
+  std::string unit;          // "°C", up to 32 bytes
+  std::optional<std::uint8_t> digits;  // decimals of a shown value, 0..kMostDigits
+  std::string description;             // up to 256 bytes
+  std::optional<double> deadband;      // smaller changes are not published
+  std::optional<Duration> heartbeat;   // with a deadband: the longest gap; default: the refresh
   Limits limits;
   std::optional<double> write_min, write_max;
   Duration write_interval{};  // rate limit of commands; 0 for none
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
+inline constexpr int kMostDigits = 9;
+
+// Decimals with which programs show the values of a channel.
+struct ShownDigits {
+  std::uint8_t digits = 0;
+  bool configured = false;  // false: from the resolution of the channel
+  friend bool operator==(const ShownDigits&, const ShownDigits&) = default;
+};
+// Without the key `digits`: those of the scale and the offset of an integer, or of a number as text.
+// Empty if the resolution is unknown (floats, values with an exponent) or needs more than
+// kMostDigits.
+[[nodiscard]] std::optional<ShownDigits> shown_digits(const ChannelSpec& channel);
+
 [[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
 
 // The refresh, or the heartbeat with a deadband; empty for channels only read on request.

@@ -74,6 +74,7 @@ class Everything : public testing::Test {
     channel.priority = 100;
     channel.elasticity = 2.5;
     channel.unit = "°C";
+    channel.digits = 3;
     channel.description = "every key of a channel";
     channel.deadband = 0.25;
     channel.heartbeat = minutes{1};

@@ -122,12 +122,13 @@ void read(Tables& tables, unsigned topic, ByteView bytes) {
     case 18: return read_history_request(bytes);
     case 19: return read_history_block(bytes);
     case 20: return read_configuration_request(bytes);
+    case 21: return convert<idl::DeviceDescriptionPubSubType>(bytes);
     default: (void)message_of<idl::SnapshotRequestPubSubType>(bytes);
   }
 }
 
 void run_one(ByteView data) {
-  constexpr unsigned kTopics = 22;
+  constexpr unsigned kTopics = 23;
   Tables tables;
   while (data.size() > 3) {
     const std::size_t size = std::min<std::size_t>(data[1] | data[2] << 8, data.size() - 3);

@@ -32,6 +32,7 @@ LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& s
   for (const DeviceSpec& device : spec.devices) {
     for (const ChannelSpec& channel : device.channels)
       catalogue.add(device, channel, samples.refresh_of(index++));
+    to_idl(bridge, spec, device, descriptions.emplace_back());
   }
 }
 
@@ -144,6 +145,7 @@ void DdsLink::State::dispose(LinkedBus& bus, Duration linger, Duration limit) {
   for (auto& [key, alarm] : bus.alarms) reports.unregister(alarm);
   for (auto& [key, status] : bus.alarm_status) reports.unregister(status);
   for (idl::ReadPlan& part : bus.plan) reports.unregister(part);
+  for (idl::DeviceDescription& description : bus.descriptions) reports.unregister(description);
   if (bus.reported) reports.unregister(bus.status);
 }
 
@@ -218,6 +220,7 @@ void DdsLink::add_bus(const BusSpec& spec) {
   auto bus = state_->made(spec);
   if (!bus->catalogue.publish())
     throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
+  for (idl::DeviceDescription& description : bus->descriptions) state_->reports.write(description);
   state_->serve(spec.name, std::move(bus));
 }
 
@@ -292,6 +295,7 @@ void DdsLink::publish_again(std::string_view name) {
   for (auto& [key, alarm] : bus->alarms) state_->reports.write(alarm);
   for (auto& [key, status] : bus->alarm_status) state_->reports.write(status);
   for (idl::ReadPlan& part : bus->plan) state_->reports.write(part);
+  for (idl::DeviceDescription& description : bus->descriptions) state_->reports.write(description);
 }
 
 void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {

@@ -39,6 +39,7 @@ struct LinkedBus {
   std::map<AlarmKey, idl::AlarmStatus> alarm_status;                // published at least once
   idl::BusStatus status;
   std::vector<idl::ReadPlan> plan;  // its parts, as published
+  std::vector<idl::DeviceDescription> descriptions;
   bool reported = false;
   bool write_failed = false;
 };
@@ -73,7 +74,8 @@ class ReportWriters {
   }
   template <class Message>
   void unregister(Message& message) {
-    writers_.at(typeid(Message)).unregister(&message);
+    const auto found = writers_.find(typeid(Message));
+    if (found != writers_.end()) found->second.unregister(&message);
   }
   // Each instance of these topics is written again within the overlap.
   void tidy(Instant now) {

@@ -23,8 +23,9 @@
 
 namespace fieldcast {
 
-inline constexpr std::size_t kMaxTextValue = 256;       // bytes of a string value: IDL string<256>
-inline constexpr std::size_t kMaxCommandValues = 2048;  // IDL sequence<Value, 2048>
+inline constexpr std::size_t kMaxTextValue = 256;  // bytes of a string value: IDL string<256>
+inline constexpr std::size_t kMaxDescribedChannels = 2048;  // IDL sequence<ChannelDigits, 2048>
+inline constexpr std::size_t kMaxCommandValues = 2048;      // IDL sequence<Value, 2048>
 
 // ---- values
 
@@ -72,6 +73,11 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
             idl::DeviceStatus& out);
 [[nodiscard]] StationBusStatus from_idl(const idl::BusStatus& status);
 [[nodiscard]] StationDeviceStatus from_idl(const idl::DeviceStatus& status);
+
+// Texts are cut at their bounds.
+void to_idl(std::string_view bridge, const BusSpec& bus, const DeviceSpec& device,
+            idl::DeviceDescription& out);
+[[nodiscard]] StationDeviceDescription from_idl(const idl::DeviceDescription& description);
 
 void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);

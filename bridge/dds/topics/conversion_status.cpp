@@ -147,6 +147,43 @@ StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
   return out;
 }
 
+void to_idl(std::string_view bridge, const BusSpec& bus, const DeviceSpec& device,
+            idl::DeviceDescription& out) {
+  out.bus() = cut_text(bus.name, kMaxNameLength);
+  out.device() = cut_text(device.name, kMaxNameLength);
+  out.bridge() = cut_text(bridge, kMaxNameLength);
+  out.protocol() = cut_text(device.protocol, 64);
+  out.port() = cut_text(to_text(bus.port), 128);
+  out.address() = cut_text(device.link.long_address.empty() ? std::to_string(device.link.address)
+                                                            : device.link.long_address,
+                           128);
+  out.digits().clear();
+  for (const ChannelSpec& channel : device.channels) {
+    const std::optional<ShownDigits> shown = shown_digits(channel);
+    if (!shown || (shown->digits == 0 && !shown->configured)) continue;
+    if (out.digits().size() == kMaxDescribedChannels) return;
+    idl::ChannelDigits& entry = out.digits().emplace_back();
+    entry.channel() = cut_text(channel.name, kMaxNameLength);
+    entry.digits(shown->digits);
+    entry.configured(shown->configured);
+  }
+}
+
+StationDeviceDescription from_idl(const idl::DeviceDescription& description) {
+  StationDeviceDescription out{.bridge = description.bridge().c_str(),
+                               .bus = description.bus().c_str(),
+                               .device = description.device().c_str(),
+                               .protocol = description.protocol().c_str(),
+                               .port = description.port().c_str(),
+                               .address = description.address().c_str(),
+                               .digits = {}};
+  for (const idl::ChannelDigits& entry : description.digits()) {
+    if (entry.digits() <= kMostDigits)
+      out.digits[entry.channel().c_str()] = {entry.digits(), entry.configured()};
+  }
+  return out;
+}
+
 void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out) {
   out.bus() = cut_text(report.bus, kMaxNameLength);
   out.device() = cut_text(report.device, kMaxNameLength);

@@ -12,6 +12,7 @@
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 #include "core/model/channel_kind.hpp"
+#include "core/model/channel_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/read_plan.hpp"
@@ -60,6 +61,17 @@ struct StationDeviceStatus {
   DeviceReport report;  // all but causes
   CauseCounts causes;
   UtcTime reported_at;
+};
+
+struct StationDeviceDescription {
+  std::string bridge, bus, device;
+  std::string protocol;  // "modbus-rtu"
+  std::string port;      // "/dev/ttyUSB0 19200 8E1"
+  std::string address;   // on the bus
+  // By channel; only those with decimals, or with configured ones.
+  std::map<std::string, ShownDigits, std::less<>> digits;
+  friend bool operator==(const StationDeviceDescription&,
+                         const StationDeviceDescription&) = default;
 };
 
 struct StationReadPlan {

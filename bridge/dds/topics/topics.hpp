@@ -157,6 +157,8 @@ inline constexpr auto kProgramRequestTopic =
     optional(report<idl::ProgramRequestPubSubType>("fieldcast/ProgramRequest", kMaxDevices));
 inline constexpr auto kAuditTopic = optional(Report<idl::AuditPubSubType>{
     {{"fieldcast/Audit", kStays, last_of(1, kAuditKept), last_of(kMaxBridges, kAuditKept)}}});
+inline constexpr auto kDeviceDescriptionTopic =
+    optional(report<idl::DeviceDescriptionPubSubType>("fieldcast/DeviceDescription", kMaxDevices));
 inline constexpr auto kReadPlanTopic =
     report<idl::ReadPlanPubSubType>("fieldcast/ReadPlan", kMaxChannels / 16);
 inline constexpr auto kAlarmTopic = report<idl::AlarmPubSubType>("fieldcast/Alarm", kMaxAlarms);
@@ -231,6 +233,7 @@ inline constexpr std::tuple kTopicTable{&kSampleBlockTopic,
                                         &kDeviceStatusTopic,
                                         &kProgramSessionTopic,
                                         &kProgramRequestTopic,
+                                        &kDeviceDescriptionTopic,
                                         &kReadPlanTopic,
                                         &kAlarmTopic,
                                         &kAlarmStatusTopic,

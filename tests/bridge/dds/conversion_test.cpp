@@ -426,6 +426,40 @@ TEST(StatusConversion, AProgramRequestComesBackCutAtItsBound) {
   EXPECT_EQ(back.sent_at.nanoseconds, 3);
 }
 
+TEST(StatusConversion, ADeviceIsDescribedWithTheDigitsThatAreKnown) {
+  BusSpec bus;
+  bus.name = "b";
+  DeviceSpec device;
+  device.name = "d";
+  device.protocol = "modbus-rtu";
+  device.link.address = 7;
+  device.channels.resize(3);
+  device.channels[0].name = "force";
+  device.channels[0].digits = 0;
+  device.channels[1].name = "temperature";
+  device.channels[1].encoding.scale = 0.1;
+  device.channels[2].name = "count";
+  idl::DeviceDescription topic;
+  to_idl("line-7", bus, device, topic);
+  StationDeviceDescription back = from_idl(topic);
+  EXPECT_EQ(back, (StationDeviceDescription{
+                      .bridge = "line-7",
+                      .bus = "b",
+                      .device = "d",
+                      .protocol = "modbus-rtu",
+                      .port = to_text(bus.port),
+                      .address = "7",
+                      .digits = {{"force", {0, true}}, {"temperature", {1, false}}}}));
+  topic.digits()[0].digits(10);  // from the network
+  EXPECT_FALSE(from_idl(topic).digits.contains("force"));
+
+  device.link.long_address = "01234567";
+  device.channels.assign(kMaxDescribedChannels + 1, device.channels[0]);
+  to_idl("line-7", bus, device, topic);
+  EXPECT_EQ(from_idl(topic).address, "01234567");
+  EXPECT_EQ(topic.digits().size(), kMaxDescribedChannels);
+}
+
 TEST(StatusConversion, AProgramSessionComesBack) {
   idl::ProgramSession topic;
   to_idl({"b", "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}}, topic);

@@ -62,6 +62,49 @@ TEST(DdsLink, StatusReportsHowFarTheClockOfTheStationIsAhead) {
   EXPECT_LT(*buses.all().back().clock_ahead, 1h);
 }
 
+TEST(DdsLink, ADescriptionReachesLateStationsAndGoesWithItsBus) {
+  const std::string bus = bus_name("description");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  BusSpec spec = bus_of(bus, 2);
+  spec.devices[0].protocol = "modbus-rtu";
+  spec.devices[0].channels[1].digits = 2;
+  link.add_bus(spec);
+  Collected<StationDeviceDescription> came, gone;
+  Station station(loopback(), "watcher");
+  station.subscribe<StationDeviceDescription>(
+      [&](const StationDeviceDescription& each) { came.add(each); },
+      [&](const StationDeviceDescription& each) { gone.add(each); });
+  ASSERT_TRUE(eventually([&] { return came.size() == 1; }));
+  EXPECT_EQ(came.all()[0].bus + "/" + came.all()[0].device, bus + "/d");
+  EXPECT_EQ(came.all()[0].protocol, "modbus-rtu");
+  EXPECT_EQ(came.all()[0].digits.at("c1"), (ShownDigits{2, true}));
+  link.publish_again(bus);
+  EXPECT_TRUE(eventually([&] { return came.size() == 2; }));
+  link.remove_bus(bus);
+  EXPECT_TRUE(eventually([&] { return gone.size() == 1; }));
+}
+
+TEST(Station, SeesWhichStationAsksForWhichChannels) {
+  const std::string pattern = bus_name("asked") + "/*/*";
+  Collected<Interest> came, gone;
+  Station watcher(loopback(), "watcher");
+  watcher.subscribe_interests([&](const Interest& each) { came.add(each); },
+                              [&](const Interest& each) { gone.add(each); });
+  auto panel = std::make_optional<Station>(loopback(), "panel");
+  panel->declare_interest(pattern, 500ms);
+  ASSERT_TRUE(eventually([&] { return came.size() == 1; }));
+  EXPECT_NE(came.all()[0].station.find("panel"), std::string::npos) << came.all()[0].station;
+  EXPECT_EQ(came.all()[0].pattern, pattern);
+  EXPECT_EQ(came.all()[0].refresh, 500ms);
+  panel->withdraw_interest(pattern);
+  ASSERT_TRUE(eventually([&] { return gone.size() == 1; }));
+  panel->declare_interest(pattern, 1s);
+  ASSERT_TRUE(eventually([&] { return came.size() == 2; }));
+  panel.reset();
+  EXPECT_TRUE(eventually([&] { return gone.size() == 2; }));
+}
+
 TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   const std::string bus = bus_name("plan");
   Received received;

@@ -80,14 +80,17 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
                             [](auto&, auto&, auto&) {});
   station.subscribe_read_plans([&](const StationReadPlan&) { came.add("plan"); },
                                [&](const std::string&) { gone.add("plan"); });
+  station.subscribe<StationDeviceDescription>(
+      [&](const StationDeviceDescription&) { came.add("description"); },
+      [&](const StationDeviceDescription&) { gone.add("description"); });
   station.subscribe_alarm_status([&](const StationAlarmStatus&) { came.add("alarm status"); },
                                  [&](const StationAlarmStatus&) { gone.add("alarm status"); });
   station.subscribe_device_status([&](const StationDeviceStatus&) { came.add("device status"); },
                                   [&](const StationDeviceStatus&) { gone.add("device status"); });
   station.declare_interest("cut/*/*", std::chrono::seconds{1});
 
-  const std::vector<std::string> all{"channel",       "plan",     "alarm status",
-                                     "device status", "interest", "claims"};
+  const std::vector<std::string> all{"channel",  "plan",   "alarm status", "device status",
+                                     "interest", "claims", "description"};
   ASSERT_TRUE(eventually([&] { return came.lacking(all).empty(); })) << came.lacking(all);
   came.clear();
   bench::lose(1);

@@ -79,7 +79,7 @@ void show_channels(const Api& api, const HttpRequest& request, const Caller&, co
     if (after && ChannelPath{channel.bus, channel.device, channel.channel} <= *after) continue;
     if (count++ == *limit) break;
     if (json.size() > 1) json += ',';
-    json += channel_json(*live);
+    json += channel_json(*live, api.model->objects().description(channel.bus, channel.device));
   }
   reply(json_response(json + ']', request.accepts_gzip));
 }
@@ -89,7 +89,13 @@ void show_buses(const Api& api, const HttpRequest& request, const Caller&, const
 }
 
 void show_devices(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
-  show_all<StationDeviceStatus>(api, request, reply, device_json);
+  show_all<StationDeviceStatus>(api, request, reply, [&](const StationDeviceStatus& device) {
+    return device_json(device, api.model->objects().description(device.bus, device.device));
+  });
+}
+
+void show_interests(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  show_all<Interest>(api, request, reply, interest_json);
 }
 
 void show_sessions(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {

@@ -51,8 +51,8 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
                         const Reply& reply);
 
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
-    show_devices, show_history, show_metrics, show_notifications, show_openapi, show_plan,
-    show_report, show_result, show_sessions, show_sites, show_users, export_history;
+    show_devices, show_history, show_interests, show_metrics, show_notifications, show_openapi,
+    show_plan, show_report, show_result, show_sessions, show_sites, show_users, export_history;
 ApiHandler show_configuration, check_configuration, deploy_configuration, confirm_configuration,
     roll_back_configuration, show_configuration_versions, show_configuration_version,
     show_configuration_schema, show_device_templates, import_configuration;
@@ -109,6 +109,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/document", Access::kViewer, show_document},
     {Method::kGet, "/api/export", Access::kViewer, export_history, true},
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
+    {Method::kGet, "/api/interests", Access::kViewer, show_interests},
     {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},
     {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
     {Method::kGet, "/api/picture", Access::kViewer, show_picture, true},

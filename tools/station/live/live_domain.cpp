@@ -126,6 +126,8 @@ void LiveDomain::State::listen() {
   station.subscribe_bus_status(put, remove);
   station.subscribe_read_plans(
       put, [this](const std::string& bus) { inbox.remove(StationReadPlan{.bus = bus}); });
+  station.subscribe<StationDeviceDescription>(put, remove);
+  station.subscribe_interests(put, remove);
   station.subscribe<ProgramSessionReport>(
       [this](const ProgramSessionReport& report) { inbox.put(LiveSession{report}); });
   station.subscribe<ProgramRequestReport>(
@@ -134,7 +136,7 @@ void LiveDomain::State::listen() {
   station.subscribe_device_status(
       [this](const StationDeviceStatus& status) {
         inbox.put(status);
-        if (recorder != nullptr) recorder->on_device_status(status);
+        if (recorder != nullptr) recorder->on_device_status(status, utc_now());
       },
       remove);
   station.subscribe_alarm_status(

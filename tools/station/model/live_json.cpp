@@ -129,10 +129,10 @@ std::string bus_json(const StationBusStatus& bus) {
   return json.take();
 }
 
-std::string device_json(const StationDeviceStatus& device) {
+std::string device_json(const StationDeviceStatus& device, const StationDeviceDescription* about) {
   const DeviceReport& report = device.report;
-  return JsonObject()
-      .add("bus", device.bus)
+  JsonObject json;
+  json.add("bus", device.bus)
       .add("device", device.device)
       .add("state", to_text(report.state))
       .add("exchanges", report.exchanges)
@@ -147,7 +147,33 @@ std::string device_json(const StationDeviceStatus& device) {
       .add_json("refused", texts_json(report.refused))
       .add_json("refused_gaps", texts_json(report.refused_gaps))
       .add_json("causes", counts_json(device.causes))
-      .add("reported_ms", device.reported_at)
+      .add("reported_ms", device.reported_at);
+  if (about != nullptr)
+    json.add("protocol", about->protocol).add("port", about->port).add("address", about->address);
+  return json.take();
+}
+
+std::string description_json(const StationDeviceDescription& about) {
+  JsonObject configured, resolution;
+  for (const auto& [channel, shown] : about.digits)
+    (shown.configured ? configured : resolution).add(channel, static_cast<unsigned>(shown.digits));
+  return JsonObject()
+      .add("bus", about.bus)
+      .add("device", about.device)
+      .add("bridge", about.bridge)
+      .add("protocol", about.protocol)
+      .add("port", about.port)
+      .add("address", about.address)
+      .add_json("digits", configured.take())
+      .add_json("resolution", resolution.take())
+      .take();
+}
+
+std::string interest_json(const Interest& interest) {
+  return JsonObject()
+      .add("station", interest.station)
+      .add("pattern", interest.pattern)
+      .add("refresh_ms", milliseconds(interest.refresh.value_or(Duration{})))
       .take();
 }
 
@@ -247,7 +273,7 @@ std::string read_plan_json(const StationReadPlan& plan) {
   return json.add_json("groups", json_array(report.groups, append_group)).take();
 }
 
-std::string channel_json(const LiveChannel& live) {
+std::string channel_json(const LiveChannel& live, const StationDeviceDescription* about) {
   JsonObject json;
   json.add("channel", live.channel.path())
       .add("type", live.channel.type)
@@ -263,6 +289,11 @@ std::string channel_json(const LiveChannel& live) {
       .add("acquired_ms", live.last.acquired_at)
       .add("sequence", live.last.sequence);
   if (live.last.device_code != 0) json.add("device_code", live.last.device_code);
+  if (about != nullptr) {
+    const auto shown = about->digits.find(live.channel.channel);
+    if (shown != about->digits.end())
+      json.add("digits", static_cast<unsigned>(shown->second.digits));
+  }
   return json.take();
 }
 

@@ -12,7 +12,13 @@
 namespace fieldcast::web {
 
 [[nodiscard]] std::string bus_json(const StationBusStatus& bus);
-[[nodiscard]] std::string device_json(const StationDeviceStatus& device);
+// `about`: of the same device, or null.
+[[nodiscard]] std::string device_json(const StationDeviceStatus& device,
+                                      const StationDeviceDescription* about = nullptr);
+// {"bus", "device", "bridge", "protocol", "port", "address", "digits": {channel: n}, "resolution":
+// {channel: n}}: configured decimals, and those from the resolution of the channel.
+[[nodiscard]] std::string description_json(const StationDeviceDescription& about);
+[[nodiscard]] std::string interest_json(const Interest& interest);
 [[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
 [[nodiscard]] std::string session_json(const LiveSession& live);
 [[nodiscard]] std::string bridge_json(const StationBridge& bridge);
@@ -24,9 +30,10 @@ namespace fieldcast::web {
 // hyperperiod are null without a timetable, as are times of entries outside it.
 [[nodiscard]] std::string read_plan_json(const StationReadPlan& plan);
 // For scripts: {"channel", "type", "unit", "access", "refresh_ms", "value", "quality",
-// "acquired_ms", "sequence"}, and "device_code" if the device sent one. The value is null if it was
-// never acquired.
-[[nodiscard]] std::string channel_json(const LiveChannel& channel);
+// "acquired_ms", "sequence"}, "device_code" if the device sent one, and "digits" if `about` has the
+// decimals of the channel. The value is null if it was never acquired.
+[[nodiscard]] std::string channel_json(const LiveChannel& channel,
+                                       const StationDeviceDescription* about = nullptr);
 [[nodiscard]] std::string names_json(
     std::initializer_list<std::pair<std::string_view, std::string_view>> names);
 

@@ -27,6 +27,12 @@ struct KeyOf {
   }
   std::string operator()(const StationBridge& bridge) const { return joined('r', bridge.bridge); }
   std::string operator()(const StationReadPlan& plan) const { return joined('p', plan.bus); }
+  std::string operator()(const StationDeviceDescription& about) const {
+    return joined('e', about.bus, about.device);
+  }
+  std::string operator()(const Interest& interest) const {
+    return joined('i', interest.station, interest.pattern);
+  }
   std::string operator()(const LiveSite& site) const { return joined('t', site.site); }
   std::string operator()(const LiveStream&) const { return joined('m', {}); }
 };
@@ -59,6 +65,14 @@ struct MessageOf {
   }
   std::string operator()(const StationReadPlan& plan) const {
     return kind_message("plan", names_json({{"bus", plan.bus}}));
+  }
+  std::string operator()(const StationDeviceDescription& about) const {
+    return gone ? kind_message("description_gone",
+                               names_json({{"bus", about.bus}, {"device", about.device}}))
+                : kind_message("description", description_json(about));
+  }
+  std::string operator()(const Interest& interest) const {
+    return kind_message(gone ? "interest_gone" : "interest", interest_json(interest));
   }
   std::string operator()(const LiveSite& site) const {
     return kind_message("site", site_json(site));
@@ -211,6 +225,12 @@ void LiveObjects::remove(const LiveObject& object) {
 const StationReadPlan* LiveObjects::read_plan(const std::string& bus) const {
   const LiveObject* const found = present(joined('p', bus));
   return found == nullptr ? nullptr : &std::get<StationReadPlan>(*found);
+}
+
+const StationDeviceDescription* LiveObjects::description(const std::string& bus,
+                                                         const std::string& device) const {
+  const LiveObject* const found = present(joined('e', bus, device));
+  return found == nullptr ? nullptr : &std::get<StationDeviceDescription>(*found);
 }
 
 bool LiveObjects::is_of_stream(const std::string& bus) const {

@@ -69,8 +69,9 @@ struct LiveStream {
   friend bool operator==(const LiveStream&, const LiveStream&) = default;
 };
 
-using LiveObject = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm, LiveSession,
-                                StationBridge, StationReadPlan, LiveSite, LiveStream>;
+using LiveObject =
+    std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm, LiveSession, StationBridge,
+                 StationReadPlan, LiveSite, LiveStream, StationDeviceDescription, Interest>;
 // Kind and names, which are the same for each report of an object.
 [[nodiscard]] std::string key_of(const LiveObject& object);
 
@@ -90,6 +91,9 @@ class LiveObjects {
   void remove(const LiveObject& object);
 
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
+  // Null if no bridge describes the device.
+  [[nodiscard]] const StationDeviceDescription* description(const std::string& bus,
+                                                            const std::string& device) const;
   // Returns whether the bus, "SITE:BUS", is of a site of the stream.
   [[nodiscard]] bool is_of_stream(const std::string& bus) const;
 

@@ -262,17 +262,51 @@ void Recorder::on_fetched(const std::string& path, const HistoryRow& fetched) {
   store_.put(std::span(&row, 1));
 }
 
-void Recorder::on_device_status(const StationDeviceStatus& status) {
+void Recorder::on_device_status(const StationDeviceStatus& status, UtcTime received) {
   const std::lock_guard lock(mutex_);
   std::string name = status.bus + '/' + status.device;
-  const auto known = devices_.find(name);
-  if (known != devices_.end() && known->second == status.report.state) return;
-  if (known == devices_.end() && devices_.size() >= kMaxDevices) return;
-  devices_[std::move(name)] = status.report.state;
+  auto known = devices_.find(name);
+  const bool is_new = known == devices_.end();
+  if (is_new) {
+    if (devices_.size() >= kMaxDevices) return;
+    known = devices_.emplace(std::move(name), Device{}).first;
+    known->second.number = store_.number_of({.bus = status.bus,
+                                             .device = status.device,
+                                             .channel = kResponseTime,
+                                             .unit = "ms",
+                                             .type = "float64"});
+  }
+  put_response_time(status, received, known->second);
+  if (!is_new && known->second.state == status.report.state) return;
+  known->second.state = status.report.state;
   store_.put(DeviceRecord{.bus = status.bus,
                           .device = status.device,
                           .state = std::string(to_text(status.report.state)),
                           .since = status.reported_at});
+}
+
+void Recorder::put_response_time(const StationDeviceStatus& status, UtcTime received,
+                                 Device& device) {
+  constexpr std::int64_t kMinute = 60'000'000'000;
+  const DeviceReport& report = status.report;
+  const bool is_offline = report.state == DeviceState::kOffline;
+  // By the clock of the bridge, so that a second recorder stores the same row.
+  const Duration late = between(status.reported_at, received);
+  const bool is_near = late <= SampleStamp::kMaxOffset && late >= -SampleStamp::kMaxOffset;
+  const UtcTime at = is_near ? status.reported_at : received;
+  const std::int64_t minute = at.nanoseconds / kMinute;
+  if (!device.number || minute == device.minute ||
+      (!is_offline && report.response_time <= Duration::zero()))
+    return;
+  device.minute = minute;
+  const SampleRow row{.channel = *device.number,
+                      .published_at = at,
+                      .acquired_at = at,
+                      .sequence = static_cast<std::uint64_t>(minute),
+                      .quality = is_offline ? Quality::kBadNoResponse : Quality::kGood,
+                      .value = to_seconds(report.response_time) * 1e3,
+                      .perhaps_stored = true};
+  store_.put(std::span(&row, 1));
 }
 
 void Recorder::on_alarm_status(const StationAlarmStatus& status, UtcTime received) {

@@ -96,6 +96,9 @@ class AlarmDiff {
 // outlive it.
 class Recorder {
  public:
+  // The response time of each device is stored once a minute as a channel of this name, which no
+  // configured channel can have. Its unit is ms; a device that is offline has no value.
+  static constexpr const char* kResponseTime = "$response-time";
   // Further channels are ignored; their samples count as unknown.
   static constexpr std::size_t kMaxChannels = 200'000;
   static constexpr std::size_t kMaxDevices = 50'000;
@@ -110,7 +113,7 @@ class Recorder {
   void on_channel(const StationChannel& channel);
   void on_gone(const std::string& bus, const std::string& device, const std::string& channel);
   void on_sample(const StationSample& sample, UtcTime received);
-  void on_device_status(const StationDeviceStatus& status);
+  void on_device_status(const StationDeviceStatus& status, UtcTime received);
   void on_alarm_status(const StationAlarmStatus& status, UtcTime received);
 
   // From now on, samples that are missing between two others are noted.
@@ -142,6 +145,13 @@ class Recorder {
     SampleNumber last;   // of the last sample; epoch 0: none
     SampleStamp stamp;
   };
+  struct Device {
+    DeviceState state = DeviceState::kUnknown;  // last stored one
+    std::optional<std::int64_t> number;  // of its response time in the store; empty: not stored
+    std::int64_t minute = 0;             // of the last stored response time
+  };
+  // Stores the response time, at most once a minute. REQUIRES: mutex_ is held.
+  void put_response_time(const StationDeviceStatus& status, UtcTime received, Device& device);
   // Returns null if the table is full. REQUIRES: mutex_ is held.
   [[nodiscard]] Channel* channel(std::string path);
   // Notes a gap between the last sample and this one.
@@ -149,9 +159,9 @@ class Recorder {
 
   Store& store_;
   mutable std::mutex mutex_;
-  std::unordered_map<std::string, Channel> channels_;        // by path
-  std::map<std::string, ClockOffset, std::less<>> clocks_;   // by bus
-  std::map<std::string, DeviceState, std::less<>> devices_;  // last stored state, by bus/device
+  std::unordered_map<std::string, Channel> channels_;       // by path
+  std::map<std::string, ClockOffset, std::less<>> clocks_;  // by bus
+  std::map<std::string, Device, std::less<>> devices_;      // by bus/device
   AlarmDiff alarms_;
   bool watches_gaps_ = false;
   Gaps gaps_;

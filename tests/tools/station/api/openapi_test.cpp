@@ -74,6 +74,9 @@ class OpenApiTest : public test::ApiTest {
     device.device = "d";
     device.report.areas.push_back({.area = "holding"});
     model_.put(device);
+    model_.put(StationDeviceDescription{
+        .bus = "line", .device = "d", .protocol = "modbus-rtu", .digits = {{"speed", {1, true}}}});
+    model_.put(Interest{"panel", "line/*", std::chrono::seconds{1}});
     LiveAlarm alarm;
     alarm.bus = "line";
     alarm.state = "unacknowledged";

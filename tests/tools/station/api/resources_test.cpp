@@ -83,6 +83,10 @@ TEST_F(ChannelsApiTest, WhatElseTheDomainReportsIsListed) {
   model_.put(device);
   EXPECT_EQ(json("/api/buses").at(0).at("bus"), "line");
   EXPECT_EQ(json("/api/devices").at(0).at("device"), "d");
+  model_.put(StationDeviceDescription{.bus = "line", .device = "d", .protocol = "s7-ppi"});
+  EXPECT_EQ(json("/api/devices").at(0).at("protocol"), "s7-ppi");
+  model_.put(Interest{"panel", "line/*", std::chrono::seconds{1}});
+  EXPECT_EQ(json("/api/interests").at(0).at("station"), "panel");
   EXPECT_EQ(json("/api/sessions").size(), 0u);
   EXPECT_EQ(json("/api/bridges").size(), 0u);
   EXPECT_EQ(ask("/api/buses?x=1").status, 400u);

@@ -132,6 +132,29 @@ TEST(LiveJson, AChannelForScripts) {
   EXPECT_FALSE(json.contains("device_code"));
 }
 
+TEST(LiveJson, ADescriptionCompletesItsDeviceAndItsChannels) {
+  const StationDeviceDescription about{.bridge = "line-7",
+                                       .bus = "shop",
+                                       .device = "press",
+                                       .protocol = "modbus-rtu",
+                                       .port = "/dev/ttyUSB0 19200 8E1",
+                                       .address = "7",
+                                       .digits = {{"force", {2, true}}, {"oil", {1, false}}}};
+  EXPECT_EQ(Json::parse(description_json(about)),
+            Json::parse(R"({"bus":"shop","device":"press","bridge":"line-7",
+                "protocol":"modbus-rtu","port":"/dev/ttyUSB0 19200 8E1","address":"7",
+                "digits":{"force":2},"resolution":{"oil":1}})"));
+  const Json device = Json::parse(device_json(device_of("press", 1), &about));
+  EXPECT_EQ(device["protocol"], "modbus-rtu");
+  EXPECT_EQ(device["address"], "7");
+  EXPECT_FALSE(Json::parse(device_json(device_of("press", 1))).contains("protocol"));
+  LiveModel model;
+  model.on_channel(channel_of("oil"));
+  model.on_channel(channel_of("level"));
+  EXPECT_EQ(Json::parse(channel_json(*model.find(path_of("oil")), &about))["digits"], 1);
+  EXPECT_FALSE(Json::parse(channel_json(*model.find(path_of("level")), &about)).contains("digits"));
+}
+
 TEST(LiveJson, TheCatalogueReportsWhatChangedSinceAVersion) {
   LiveModel model(100);
   StationChannel channel = channel_of("oil");

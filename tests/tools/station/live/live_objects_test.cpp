@@ -96,6 +96,27 @@ TEST(LiveObjects, ARemovedOneIsReportedToThoseWhoSawIt) {
   EXPECT_THAT(objects.all<StationBusStatus>(), IsEmpty());
 }
 
+TEST(LiveObjects, AnInterestAndADescriptionEndWithAMessage) {
+  LiveObjects objects;
+  const Interest interest{"panel", "shop/*", std::chrono::milliseconds{500}};
+  const StationDeviceDescription about{.bus = "shop", .device = "press"};
+  objects.put(interest);
+  objects.put(about);
+  EXPECT_EQ(objects.description("shop", "press")->bus, "shop");
+  EXPECT_EQ(objects.description("shop", "lathe"), nullptr);
+  const auto news = objects.since(0, 10);
+  ASSERT_EQ(news.messages.size(), 2U);
+  EXPECT_EQ(*news.messages[0],
+            R"({"kind":"interest","station":"panel","pattern":"shop/*","refresh_ms":500})");
+  objects.remove(interest);
+  objects.remove(about);
+  EXPECT_EQ(objects.description("shop", "press"), nullptr);
+  const auto ends = objects.since(news.version, 10);
+  ASSERT_EQ(ends.messages.size(), 2U);
+  EXPECT_NE(ends.messages[0]->find("interest_gone"), std::string::npos);
+  EXPECT_EQ(*ends.messages[1], R"({"kind":"description_gone","bus":"shop","device":"press"})");
+}
+
 TEST(LiveObjects, AnotherPlanIsReportedAndTheSameOneIsNot) {
   LiveObjects objects;
   EXPECT_EQ(objects.read_plan("shop"), nullptr);

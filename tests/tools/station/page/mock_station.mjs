@@ -71,6 +71,9 @@ export class InventedPlant {
           bus, device: `device-0${n}`, state: n === 3 ? 'degraded' : 'online', exchanges: 5000, failures: 12 * n, retries: 3, deadline_misses: 1, answer_time_ms: 4.2 * n,
           answer_spread_ms: 0.8, timeout_ms: 100, pause_ms: 2, areas: [{ area: 'holding', answer_time_ms: 4.2, answer_spread_ms: 0.8, largest_block: 60, longest_block: 0 }],
           refused: n === 3 ? ['holding:107', 'holding:109'] : [], refused_gaps: n === 3 ? ['holding:105..107'] : [], causes: { NO_ANSWER: 12 * n }, reported_ms: now });
+    this.descriptions = this.devices.map(({ bus, device }, index) => ({
+      bus, device, bridge: 'north', protocol: 'modbus-rtu', port: '/dev/ttyUSB0 115200 8N1', address: String(index % 3 + 1), digits: { 'flow-1': 0 }, resolution: { 'pressure-2': 1 } }));
+    this.interests = [{ station: 'wall-panel', pattern: `${busNames[0]}/device-01/*`, refresh_ms: 500 }];
     const alarm = (index, more) => {
       const channel = this.channels[index % this.channels.length];
       const [bus, device, name] = channel.path.split('/');
@@ -338,7 +341,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
         else if (message.acquire) setTimeout(() => answer({ kind: 'result', request_id: nextRequest++, state: 'done', cause: 'NONE', reason: '', value: 1, completed_ms: Date.now() }), 20);
         else if (message.subscribe === '*') {
           clients.add(client);
-          for (const [kind, list] of [['bus', plant.buses], ['device', plant.devices], ['alarm', plant.alarms], ['session', plant.sessions], ['bridge', plant.bridges]])
+          for (const [kind, list] of [['bus', plant.buses], ['device', plant.devices], ['alarm', plant.alarms], ['session', plant.sessions], ['bridge', plant.bridges], ['description', plant.descriptions], ['interest', plant.interests]])
             for (const each of list) send({ kind, ...each });
           client.send(encodeFrame(plant.channels));
           send(texts(plant.channels));

@@ -11,8 +11,8 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_advice, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
-  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'bus_advice', 'bus_order', 'channel_fault', 'csv', 'plan_picture',
+const { frame, plant, router, rows, recent_values, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_advice, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
+  await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'recent_values', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'bus_advice', 'bus_order', 'channel_fault', 'csv', 'plan_picture',
     'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -256,29 +256,69 @@ test('an address survives its way through a link', () => {
   assert.deepEqual(router.parseRoute('#/live/%zz').parts, ['%zz']);
 });
 
+function plantWithOneChannel() {
+  const line = new plant.Plant();
+  line.applyCatalogue({ version: 1, full: true, channels: [[1, 'a/b/c', 'float32', 'kN', '', 'read-only', 'scheduled', 500, {}, '', 'x']], gone: [] });
+  return line;
+}
+
 test('numbers are shown as they are', () => {
   assert.equal(format.exactValue(Math.fround(0.1), 'float32'), '0.1');
   assert.equal(format.exactValue(16777217, 'float64'), '16777217');
   assert.equal(format.exactValue(1, 'bool'), 'true');
-  assert.equal(format.tableValue(900, 23.400000000000002, 'int16'), '23.4');
-  assert.equal(format.tableValue(900, 23, 'int16'), '23.0');
-  assert.equal(format.tableValue(901, NaN, 'int16'), '–');
+  assert.equal(format.tableValue({ id: 900, type: 'int16' }, 23.400000000000002), '23.4');
+  assert.equal(format.tableValue({ id: 900, type: 'int16' }, 23), '23.0');
+  assert.equal(format.tableValue({ id: 901, type: 'int16' }, NaN), '–');
   assert.equal(format.age(-5), '0.0 s');
   assert.equal(format.age(65_000), '65 s');
   assert.equal(format.duration(0.25), '250 µs');
 });
 
 test('the decimals of a value are those of its channel, not of its arithmetic', () => {
-  const shown = (type, ...values) => values.map((value) => format.roundedValue(value, type, format.decimalsOf(type, values)));
-  assert.deepEqual(shown('float32', 0.0000338111, 886.39154), ['0.00', '886.39']);
+  const shown = (type, ...values) => values.map((value) => format.roundedValue(value, { type }, format.decimalsOf({ type }, values)));
+  assert.deepEqual(shown('float32', 0.0000338111, 886.39154), ['0.0000338', '886.39']);
   assert.deepEqual(shown('float32', Math.fround(886.39154)), ['886.39']);
   assert.deepEqual(shown('float32', 21.5), ['21.5']);
-  assert.deepEqual(shown('float64', 0.0000338111), ['0.000033811']);
+  assert.deepEqual(shown('float64', 0.0000338111), ['0.0000338']);
   assert.deepEqual(shown('int16', 23.400000000000002, 7), ['23.4', '7.0']);
   assert.deepEqual(shown('uint16', 1450), ['1450']);
-  assert.deepEqual(shown('float32', -0.0001, 500.25), ['0.00', '500.25']);
+  assert.deepEqual(shown('float32', -0.0001, 500.25), ['-0.0001', '500.25']);
   assert.deepEqual(shown('bool', 1), ['true']);
-  assert.equal(format.roundedValue(null, 'float32', 2), '–');
+  assert.equal(format.roundedValue(null, { type: 'float32' }, 2), '–');
+});
+
+test('the digits of a channel are those of its configuration, else of its resolution', () => {
+  const line = plantWithOneChannel();
+  const channel = () => line.channels.get(1);
+  const shown = (value) => format.tableValue(channel(), value);
+  assert.equal(shown(886.39154), '886.39');
+  assert.equal(shown(0.0000338111), '0.0000338');
+  line.setDescription({ bus: 'a', device: 'b', protocol: 'modbus-rtu', port: '', address: '7', digits: {}, resolution: { c: 1, other: 2 } });
+  assert.equal(shown(886.39154), '886.4');
+  assert.equal(shown(0.0000338111), '0.0000338');
+  line.setDescription({ bus: 'a', device: 'b', protocol: 'modbus-rtu', port: '', address: '7', digits: { c: 0 }, resolution: {} });
+  assert.equal(shown(886.39154), '886');
+  assert.equal(shown(-0.2), '0');
+  assert.equal(format.shownValue(12.25, channel()), '12');
+  line.applyCatalogue({ version: 2, full: false, channels: [[1, 'a/b/c', 'float32', 'kN', '', 'read-only', 'scheduled', 500, {}, '', 'x']], gone: [] });
+  assert.equal(shown(886.39154), '886');
+});
+
+test('the trend of a row has the values of the last minutes, with gaps', () => {
+  const recent = new recent_values.RecentValues(), values = Float64Array.from([NaN, 5, 1, NaN]);
+  for (const [at_ms, value] of [[0, 0], [1000, 9], [5000, 10], [10_000, NaN], [15_000, 5]]) {
+    values[2] = value;
+    recent.take(values, at_ms);
+  }
+  assert.equal(recent.taken, 4);  // one every 5 s
+  assert.equal(recent.path(2, 47, 20), 'M44.0 20.0L45.0 0.0M47.0 10.0');
+  assert.equal(recent.path(1, 47, 20), 'M44.0 10.0L45.0 10.0L46.0 10.0L47.0 10.0');
+  assert.equal(recent.path(3, 47, 20), '');
+  assert.equal(recent.path(99, 47, 20), '');
+  for (let n = 4; n < 100; n++) recent.take(values, 5000 * n);
+  assert.match(recent.path(1, 47, 20), /^M0\.0 .*L47\.0 10\.0$/);
+  recent.clear();
+  assert.equal(recent.path(1, 47, 20), '');
 });
 
 test('a fault began with the first sample without a value after the last good one', () => {

@@ -225,6 +225,39 @@ test('History proposes the channels that were looked at last', { skip }, async (
   await page.context().close();
 });
 
+test('values have the digits of their channel on every page', { skip }, async () => {
+  const page = await open('#/live?q=boiler-house/device-01/*-2');
+  const value = (name) => page.locator('.vbody .vrow', { hasText: name }).locator('.c-value').textContent();
+  assert.match(await value('pressure-2'), /^-?\d+\.\d$/);  // by its resolution
+  await page.evaluate((to) => { location.hash = to; }, `#/channel/${device}/flow-1`);
+  await says(page, '.big-value', /^\d+ m³\/h$/);  // configured
+  await says(page, '.about', /Asked for by\s*wall-panel \(500 ms\)/);
+  await page.evaluate((to) => { location.hash = to; }, `#/history?c=${device}/flow-1&span=10min`);
+  await until(async () => /^\d+$/.test(await page.locator('tbody td.number').nth(1).textContent().catch(() => '')), 'the minimum of the history');
+  await page.context().close();
+});
+
+test('a device has its protocol, its address and the response time of the day', { skip }, async () => {
+  const page = await open('#/devices');
+  assert.match(await page.locator('.vrow[aria-rowindex="2"] .c-at').textContent(), /^modbus-rtu · 3$/);
+  await page.evaluate(() => { location.hash = '#/devices/boiler-house/device-03'; });
+  await says(page, '.device', /Protocol\s*modbus-rtu\s*Address\s*3\s*Port\s*\/dev\/ttyUSB0 115200 8N1/);
+  await says(page, '.device', /Response time of the last day/);
+  assert.equal(await page.locator('.device canvas').count(), 2);
+  await page.evaluate(() => { location.hash = '#/devices/boiler-house/device-01'; });
+  await says(page, '.device h2', /device-01/);
+  await says(page, '.device', /Response time of the last day/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.context().close();
+});
+
+test('a row of the live table has a small trend', { skip }, async () => {
+  const page = await open('#/live?q=flow-1');
+  await until(async () => /^M.*L/.test(await page.locator('.c-trend path').first().getAttribute('d').catch(() => '')), 'two values of a trend', 20_000);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page)], []);
+  await page.context().close();
+});
+
 test('each page links to its document', { skip }, async () => {
   const page = await open('#/alarms', { width: 390, height: 800 });
   const [shown] = await Promise.all([page.context().waitForEvent('page'), page.getByRole('link', { name: 'Docs' }).click()]);

@@ -208,19 +208,51 @@ TEST_F(RecorderTest, ADeviceIsStoredWhenItsStateChanges) {
     return made;
   };
   start();
-  recorder_->on_device_status(status(DeviceState::kOnline, 1));
-  recorder_->on_device_status(status(DeviceState::kOnline, 2));
-  recorder_->on_device_status(status(DeviceState::kOffline, 3));
-  recorder_->on_device_status(status(DeviceState::kOffline, 4));
+  recorder_->on_device_status(status(DeviceState::kOnline, 1), utc(1));
+  recorder_->on_device_status(status(DeviceState::kOnline, 2), utc(2));
+  recorder_->on_device_status(status(DeviceState::kOffline, 3), utc(3));
+  recorder_->on_device_status(status(DeviceState::kOffline, 4), utc(4));
   stop();
   start();
-  recorder_->on_device_status(status(DeviceState::kOffline, 9));  // no change
+  recorder_->on_device_status(status(DeviceState::kOffline, 9), utc(9));  // no change
   stop();
   const auto connection = open_store(address_, IfMissing::kFail);
   const auto devices = EventTable(*connection).devices();
   ASSERT_EQ(devices.size(), 1u);
   EXPECT_EQ(devices[0].state, "offline");
   EXPECT_EQ(devices[0].since, utc(3));
+}
+
+TEST_F(RecorderTest, TheResponseTimeOfADeviceIsStoredOnceAMinute) {
+  StationDeviceStatus status{
+      .bus = "east", .device = "d", .report = {}, .causes = {}, .reported_at = {}};
+  const auto report = [&](DeviceState state, std::int64_t second, Duration response) {
+    status.report.state = state;
+    status.report.response_time = response;
+    status.reported_at = utc(second);
+    recorder_->on_device_status(status, utc(second));
+  };
+  using std::chrono::microseconds;
+  start();
+  report(DeviceState::kUnknown, 60, {});
+  for (std::int64_t second = 61; second < 240; ++second)
+    report(DeviceState::kOnline, second, microseconds{4200 + second});
+  report(DeviceState::kOffline, 280, microseconds{9000});
+  stop();
+  const auto rows = history(address_, "east/d/$response-time");
+  ASSERT_EQ(rows.size(), 5u);  // minutes begin at 40, 100, 160 ...
+  EXPECT_EQ(rows[0].unit, "ms");
+  EXPECT_EQ(std::get<double>(rows[0].value), 4.261);
+  EXPECT_EQ(rows[1].published_at, utc(100));
+  EXPECT_EQ(rows[3].quality, Quality::kGood);
+  EXPECT_EQ(rows[4].quality, Quality::kBadNoResponse);
+
+  // A forged time does not leave the present.
+  start();
+  status.reported_at = utc(1'000'000'000'000);
+  recorder_->on_device_status(status, utc(340));
+  stop();
+  EXPECT_EQ(history(address_, "east/d/$response-time").back().published_at, utc(340));
 }
 
 }  // namespace

@@ -14,9 +14,8 @@ const pathOf = (event: AlarmEvent): string => [event.bus, event.device, event.ch
 
 function valueText(context: Context, event: AlarmEvent): string {
   if (event.value === null) return '';
-  const { plant } = context;
-  const channel = plant.channels.get(plant.ids.get(pathOf(event)) ?? -1);
-  return `${shownValue(event.value, channel?.type ?? 'float32')}${channel?.unit ? ` ${channel.unit}` : ''}`;
+  const channel = context.plant.channelOf(pathOf(event));
+  return `${shownValue(event.value, channel)}${channel?.unit ? ` ${channel.unit}` : ''}`;
 }
 
 const noteText = (event: AlarmEvent): string =>

@@ -1,6 +1,7 @@
 // Formats numbers, times and durations for the user. Pure except for the language.
 
 import { language } from './i18n';
+import type { Channel, Shown } from './types';
 
 const locale = (): string => (language === 'zh' ? 'zh-CN' : 'en-GB');
 
@@ -23,39 +24,50 @@ export function exactValue(value: number, type: string): string {
   return String(Number(value.toPrecision(15)));
 }
 
-// Decimals at which the largest of these values still has about five digits; for an integer type with a scale, those that its values have.
-export function decimalsOf(type: string, values: readonly number[]): number {
+// Decimals of a channel; if they are unknown, those at which the largest of these values has about five digits, or of an integer type those
+// that its values have.
+export function decimalsOf(shown: Shown, values: readonly number[]): number {
+  const known = shown.digits ?? shown.resolution;
+  if (known !== undefined) return known;
   const finite = values.filter(Number.isFinite);
-  if (type === 'bool' || !finite.length) return 0;
+  if (shown.type === 'bool' || !finite.length) return 0;
   const exact = Math.max(...finite.map((value) => (/\.(\d+)$/.exec(String(Number(value.toPrecision(12))))?.[1] ?? '').length));
   const size = Math.max(...finite.map(Math.abs));
-  if (!type.startsWith('float')) return Math.min(exact, size >= 1 ? 3 : mostDecimals);
-  if (size > 0 && size < 1e-4) return Math.min(15, 4 - Math.floor(Math.log10(size)));
-  return Math.min(exact, size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : 6);
+  if (!shown.type.startsWith('float')) return Math.min(exact, size >= 1 ? 3 : mostDecimals);
+  if (size > 0 && size < 1e-4) return floatDecimals(size);
+  return Math.min(exact, floatDecimals(size));
+}
+
+const floatDecimals = (size: number): number => (size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : size >= 0.1 ? 4 : Math.min(15, 2 - Math.floor(Math.log10(size))));
+
+// Without configured digits, a value that is not 0 is not shown as 0.
+function fixed(value: number, decimals: number, configured: boolean): string {
+  const text = value.toFixed(decimals);
+  if (Number(text) !== 0 || value === 0) return text.replace(/^-(0(\.0*)?)$/, '$1');
+  return configured ? text.replace('-', '') : String(Number(value.toPrecision(3)));
 }
 
 // Formats a value beside others of its channel, all with the same decimals.
-export function roundedValue(value: number | null | undefined, type: string, decimals: number): string {
+export function roundedValue(value: number | null | undefined, shown: Shown, decimals: number): string {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';
-  if (type === 'bool' && (value === 0 || value === 1)) return value ? 'true' : 'false';
-  return Number.isFinite(value) ? value.toFixed(decimals).replace(/^-(0(\.0*)?)$/, '$1') : value > 0 ? '∞' : '-∞';
+  if (shown.type === 'bool' && (value === 0 || value === 1)) return value ? 'true' : 'false';
+  return Number.isFinite(value) ? fixed(value, decimals, shown.digits !== undefined) : value > 0 ? '∞' : '-∞';
 }
 
-export const shownValue = (value: number | null, type: string): string => roundedValue(value, type, decimalsOf(type, value === null ? [] : [value]));
+export const shownValue = (value: number | null, shown: Shown = { type: 'float32' }): string =>
+  roundedValue(value, shown, decimalsOf(shown, value === null ? [] : [value]));
 
 // Formats a value in a table with as many decimals as the last ones of its channel.
-export function tableValue(id: number, value: number, type: string): string {
-  if (Number.isNaN(value)) return '–';
-  if (type === 'bool') return value === 0 ? 'false' : 'true';
-  if (!Number.isFinite(value)) return value > 0 ? '∞' : '-∞';
-  const size = Math.abs(value);
-  if (size >= 1e15 || (size > 0 && size < 1e-6)) return value.toPrecision(6);
-  if (type.startsWith('float')) return value.toFixed(size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : 4);
+export function tableValue(channel: Pick<Channel, 'id'> & Shown, value: number): string {
+  const { id, type } = channel, size = Math.abs(value);
+  if (channel.digits !== undefined || channel.resolution !== undefined || !(size > 0 && size < Infinity) || type === 'bool') return shownValue(value, channel);
+  if (size >= 1e15) return value.toPrecision(6);
+  if (type.startsWith('float')) return fixed(value, floatDecimals(size), false);
   const text = String(Number(value.toPrecision(12)));
   const point = text.indexOf('.');
   const decimals = Math.min(mostDecimals, Math.max(decimalsSeen.get(id) ?? 0, point < 0 ? 0 : text.length - point - 1));
   if (decimals > 0) decimalsSeen.set(id, decimals);
-  return value.toFixed(decimals);
+  return fixed(value, decimals, false);
 }
 
 export function age(ms: number): string {

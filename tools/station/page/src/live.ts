@@ -4,7 +4,7 @@
 import { request } from './api';
 import { StationClock } from './clock';
 import type { CatalogueAnswer, Plant } from './plant';
-import type { Alarm, Bridge, Bus, Device, Result, Session, Site, Stream } from './types';
+import type { Alarm, Bridge, Bus, Description, Device, Interest, Result, Session, Site, Stream } from './types';
 
 export type LiveState = 'connecting' | 'open' | 'lost';
 
@@ -192,6 +192,14 @@ export class Live {
       case 'bus_gone': plant.buses.delete(String(message['bus'])); plant.touch('buses'); break;
       case 'device': plant.setDevice(about as Device); break;
       case 'device_gone': plant.devices.delete(`${message['bus']}/${message['device']}`); plant.touch('devices'); break;
+      case 'description': plant.setDescription(about as Description); break;
+      case 'description_gone': plant.descriptions.delete(`${message['bus']}/${message['device']}`); break;
+      case 'interest':
+      case 'interest_gone': {
+        const interest = about as Interest, key = `${interest.station} ${interest.pattern}`;
+        message.kind === 'interest' ? plant.interests.set(key, interest) : plant.interests.delete(key);
+        break;
+      }
       case 'alarm': plant.setAlarm(about as Alarm); break;
       case 'session': {
         const session = about as Session;

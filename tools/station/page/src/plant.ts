@@ -5,8 +5,9 @@
 import { neverAcquired, parseFrame } from './frame';
 import type { Frame } from './frame';
 import { notYetRead, isBad } from './types';
+import { RecentValues } from './recent_values';
 import { SessionRates } from './session_rate';
-import type { Alarm, Bridge, Bus, Channel, Counts, Device, Session, Site, Stream } from './types';
+import type { Alarm, Bridge, Bus, Channel, Counts, Description, Device, Interest, Session, Site, Stream } from './types';
 
 export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'sites' | 'connection';
 
@@ -61,9 +62,12 @@ export class Plant {
   readonly ids = new Map<string, number>();  // by path
   readonly buses = new Map<string, Bus>();
   readonly devices = new Map<string, Device>();  // bus/device
+  readonly descriptions = new Map<string, Description>();  // bus/device
+  readonly interests = new Map<string, Interest>();  // by station and pattern
   readonly alarms = new Map<string, Alarm>();
   readonly sessions = new Map<string, Session>();  // bus/device
   readonly rates = new SessionRates();
+  readonly recent = new RecentValues();
   readonly bridges = new Map<string, Bridge>();
   readonly sites = new Map<string, Site>();
   stream: Stream | undefined;  // undefined: this station reads none
@@ -80,7 +84,7 @@ export class Plant {
   restart(): void {
     this.waiting = [];
     this.version = -1;
-    for (const map of [this.buses, this.devices, this.alarms, this.sessions, this.bridges, this.sites]) map.clear();
+    for (const map of [this.buses, this.devices, this.descriptions, this.interests, this.alarms, this.sessions, this.bridges, this.sites]) map.clear();
     this.stream = undefined;
     this.rates.clear();
     for (const topic of ['buses', 'devices', 'alarms', 'sessions', 'bridges', 'sites'] as const) this.touch(topic);
@@ -112,6 +116,7 @@ export class Plant {
       this.reserve(channel.id);
       this.channels.set(channel.id, channel);
       this.ids.set(channel.path, channel.id);
+      this.describe(channel);
     }
     this.version = answer.version;
     const waiting = this.waiting ?? [];
@@ -185,6 +190,22 @@ export class Plant {
     this.touch('devices');
   }
 
+  setDescription(about: Description): void {
+    this.descriptions.set(`${about.bus}/${about.device}`, about);
+    for (const name of new Set([...Object.keys(about.digits), ...Object.keys(about.resolution)])) {
+      const channel = this.channelOf(`${about.bus}/${about.device}/${name}`);
+      if (channel) this.describe(channel);
+    }
+    this.touch('catalogue');
+  }
+
+  channelOf(path: string): Channel | undefined { return this.channels.get(this.ids.get(path) ?? -1); }
+
+  private describe(channel: Channel): void {
+    const end = channel.path.lastIndexOf('/'), about = this.descriptions.get(channel.path.slice(0, end)), name = channel.path.slice(end + 1);
+    if (about) Object.assign(channel, { digits: about.digits[name], resolution: about.resolution[name] });
+  }
+
   setAlarm(alarm: Alarm): void {
     if (alarm.state === 'clear' && !alarm.active && !alarm.shelved_until_ms && !alarm.suppressed) this.alarms.delete(alarmKey(alarm));
     else this.alarms.set(alarmKey(alarm), alarm);
@@ -226,6 +247,7 @@ export class Plant {
 
   private forgetValues(): void {
     this.value.fill(NaN);
+    this.recent.clear();
     this.acquired_ms.fill(0);
     this.quality.fill(notYetRead);
     this.texts.clear();

@@ -23,6 +23,29 @@ export interface Channel {
   limits: Record<string, number>;  // low-low, low, high, high-high, write-min, write-max
   description: string;
   bridge: string;
+  digits?: number;  // configured decimals
+  resolution?: number;  // decimals from the resolution of the channel
+}
+
+// What numbers of a channel need to be formatted.
+export type Shown = Pick<Channel, 'type' | 'digits' | 'resolution'>;
+
+// Of a device, from the configuration of its bridge.
+export interface Description {
+  bus: string;
+  device: string;
+  protocol: string;
+  port: string;
+  address: string;
+  digits: Counts;  // by channel
+  resolution: Counts;
+}
+
+// A station asked for channels.
+export interface Interest {
+  station: string;
+  pattern: string;
+  refresh_ms: number;
 }
 
 export type Counts = Record<string, number>;

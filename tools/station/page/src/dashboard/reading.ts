@@ -32,8 +32,7 @@ export function readingOf(plant: Plant, path: string, now_ms: number, digits?: n
   const value = given === undefined ? plant.value[id] ?? NaN : Number(given);
   const age_ms = acquired_ms ? Math.max(0, now_ms - acquired_ms) : NaN, late = acquired_ms > 0 && isLate(channel, age_ms);
   const tone = toneOfQuality(quality);
-  const shown = given !== undefined ? given : !acquired_ms || Number.isNaN(value) ? '–' :
-    digits !== undefined && channel.type !== 'bool' && Number.isFinite(value) ? value.toFixed(digits) : tableValue(id, value, channel.type);
+  const shown = given !== undefined ? given : !acquired_ms || Number.isNaN(value) ? '–' : tableValue(digits === undefined ? channel : { ...channel, digits }, value);
   return {
     path, channel, text: shown, value, unit: channel.unit, quality, tone: late && tone === 'good' ? 'warning' : tone, late,
     current: quality === 0 && !late, acquired_ms, age_ms,

@@ -157,8 +157,7 @@ class PresentAlarms {
   private holds(): boolean { return this.checked.size > 0 || performance.now() - this.pointedAt < heldFor_ms; }
 
   private channelOf(alarm: Alarm): Channel | undefined {
-    const { plant } = this.context;
-    return plant.channels.get(plant.ids.get(pathOf(alarm)) ?? -1);
+    return this.context.plant.channelOf(pathOf(alarm));
   }
 
   // The present value, if it is good.
@@ -169,7 +168,7 @@ class PresentAlarms {
 
   private withUnit(alarm: Alarm, value: number | null): string {
     const channel = this.channelOf(alarm);
-    return `${shownValue(value, channel?.type ?? 'float32')} ${channel?.unit ?? ''}`.trim();
+    return `${shownValue(value, channel)} ${channel?.unit ?? ''}`.trim();
   }
 
   private nowText(alarm: Alarm): string {

@@ -9,6 +9,7 @@ import type { Line } from '../chart';
 import { confirmWrite, outcomeOf } from '../command';
 import type { Outcome } from '../command';
 import type { Context, MakePage, Page } from '../context';
+import { patternTest } from '../dashboard/reading';
 import { age, clock, duration, exactValue, shownValue, tableValue } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
@@ -27,7 +28,7 @@ export const texts = {
   'channel.title': ['Channel', '通道'], 'channel.unknown': ['There is no channel {path}.', '没有通道 {path}。'],
   'channel.unknown-hint': ['It may come back with its bridge. Look for it on the page Live.', '它可能随网桥恢复。请在“实时”页面查找。'], 'channel.age': ['Age', '时长'],
   'channel.type': ['Type', '类型'], 'channel.at': ['Address', '地址'], 'channel.access': ['Access', '访问'], 'channel.mode': ['Mode', '模式'],
-  'channel.refresh': ['Refresh', '刷新'], 'channel.bridge': ['Bridge', '网桥'], 'channel.limits': ['Limits', '限值'], 'channel.no-limits': ['none', '无'],
+  'channel.refresh': ['Refresh', '刷新'], 'channel.bridge': ['Bridge', '网桥'], 'channel.asked': ['Asked for by', '请求方'], 'channel.limits': ['Limits', '限值'], 'channel.no-limits': ['none', '无'],
   'channel.trend': ['Trend of {path}', '{path} 的趋势'], 'channel.span': ['Shown span', '显示时段'],
   'channel.no-trend': ['A text has no trend. Its last values:', '文本没有趋势。最近的值：'],
   'channel.no-store': ['This station keeps no history: the trend begins when the page is opened.', '此监控站不保存历史：趋势从打开页面时开始。'],
@@ -115,7 +116,7 @@ class ChannelPage implements Page {
     const { plant, live } = this.context;
     const id = plant.ids.get(this.path);
     const found = id === undefined ? undefined : plant.channels.get(id);
-    if (!found || found.id === this.channel?.id) return;
+    if (!found || found === this.channel) return;
     const first = !this.channel;
     this.channel = found;
     plant.watched = found.id;
@@ -192,7 +193,7 @@ class ChannelPage implements Page {
 
   private showCursor(at_ms: number | undefined, value: number | null | undefined): void {
     const next = at_ms === undefined ? '' :
-      `${clock(at_ms)}  ${typeof value === 'number' ? `${shownValue(value, this.channel!.type)} ${this.channel!.unit}` : '–'}`;
+      `${clock(at_ms)}  ${typeof value === 'number' ? `${shownValue(value, this.channel)} ${this.channel!.unit}` : '–'}`;
     if (next === this.cursor) return;
     this.cursor = next;
     this.drawTools();
@@ -212,7 +213,7 @@ class ChannelPage implements Page {
     if (text !== undefined) return text;
     if (!plant.acquired_ms[id]) return '–';
     const value = plant.value[id]!;
-    return exact ? exactValue(value, type) : tableValue(id, value, type);
+    return exact ? exactValue(value, type) : tableValue(this.channel!, value);
   }
 
   private drawFacts(): void {
@@ -222,6 +223,8 @@ class ChannelPage implements Page {
     const acquired_ms = plant.acquired_ms[channel.id] ?? 0;
     const age_ms = this.context.now() - acquired_ms, late = acquired_ms > 0 && isLate(channel, age_ms);
     const [bus, device, name] = channel.path.split('/');
+    const asked = [...plant.interests.values()].filter((interest) => patternTest(interest.pattern)(channel.path))
+      .map((interest) => `${interest.station} (${duration(interest.refresh_ms)})`).join(', ');
     const limits = Object.entries(channel.limits).map(([limit, value]) => `${limit} ${value}`).join(', ');
     render(html`
       <div class="value-head">
@@ -235,7 +238,7 @@ class ChannelPage implements Page {
         ${fact(t('channel.type'), channel.type)}${fact(t('channel.at'), channel.at || '–')}
         ${fact(t('channel.access'), word('access', channel.access))}${fact(t('channel.mode'), word('mode', channel.mode))}
         ${fact(t('channel.refresh'), channel.refresh_ms ? duration(channel.refresh_ms) : '–')}${fact(t('channel.bridge'), channel.bridge)}
-        ${fact(t('channel.limits'), limits || t('channel.no-limits'))}
+        ${fact(t('channel.limits'), limits || t('channel.no-limits'))}${asked ? fact(t('channel.asked'), asked) : nothing}
       </dl>`, this.facts);
     render(this.why.draw(channel, quality, acquired_ms, this.valueText(false)), this.faultPlace);
   }

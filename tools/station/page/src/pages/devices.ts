@@ -10,9 +10,10 @@ import { age, count, duration, percent } from '../format';
 import { t, word } from '../i18n';
 import { ListTable } from '../list';
 import { html } from '../markup';
+import { ResponseTrend } from '../response_trend';
 import { link } from '../router';
 import { SplitPage } from '../split_page';
-import type { Device } from '../types';
+import type { Description, Device } from '../types';
 import { bar, empty, fact, shape, stateBadge, toneOfState } from '../view';
 import '../../styles/devices.css';
 
@@ -31,6 +32,8 @@ export const texts = {
   'devices.largest': ['Largest block', '最大块'], 'devices.longest': ['Limit', '上限'], 'devices.nothing': ['Nothing was learned yet.', '尚未学习到任何内容。'],
   'devices.refused': ['Refused addresses', '被拒绝的地址'],
   'devices.refused-hint': ['The device answers these with an error. They are tried again from time to time.', '设备对这些地址返回错误。会不时重试。'],
+  'devices.protocol': ['Protocol', '协议'], 'devices.at': ['Address', '地址'], 'devices.port': ['Port', '端口'],
+  'devices.day': ['Response time of the last day', '最近一天的应答时间'],
   'devices.gaps': ['Gaps', '间隙'], 'devices.gaps-hint': ['No request reaches across these ranges, since the device refuses that.', '设备不允许请求跨越这些范围。'],
 } as const;
 
@@ -56,6 +59,7 @@ const kept = { filter: '', state: '' };
 class DevicesPage extends SplitPage {
   private readonly tools = document.createElement('div');
   private readonly list: ListTable<Device>;
+  private readonly day = new ResponseTrend(this.context, t('devices.day'));
 
   constructor(context: Context) {
     super(context, t('devices.title'));
@@ -67,6 +71,7 @@ class DevicesPage extends SplitPage {
       columns: [
         { key: 'state', label: t('devices.state'), text: (device) => `${shape(toneOfState(device.state))} ${word('state', device.state)}` },
         { key: 'device', label: t('devices.device'), text: pathOf, link: (device) => link('devices', [device.bus, device.device]), order: pathOf },
+        { key: 'at', label: t('devices.protocol'), text: (device) => this.aboutText(device), hint: (device) => this.about(device)?.port ?? '' },
         { key: 'reason', label: t('devices.reason'), text: (device) => [reasonText(this.reason(device)), this.inMaintenance(device) ? t('devices.in-maintenance') : ''].filter(Boolean).join(' · '), hint: (device) => reasonText(this.reason(device)) },
         { key: 'answer', label: t('devices.answer'), text: (device) => (device.answer_time_ms ? duration(device.answer_time_ms) : '–'), order: (device) => device.answer_time_ms },
         { key: 'failed', label: t('devices.failed'), text: (device) => (device.exchanges ? percent(failedShare(device), 2) : '–'), order: failedShare },
@@ -83,6 +88,8 @@ class DevicesPage extends SplitPage {
     if (change.second || change.topics.has('alarms') || change.topics.has('sessions')) this.arrange();
   }
 
+  close(): void { this.day.close(); }
+
   key(event: KeyboardEvent): boolean {
     const device = this.device();
     if (event.key === 'm' && device && this.context.mayOperate()) void this.maintain(device);
@@ -94,6 +101,13 @@ class DevicesPage extends SplitPage {
   focusFilter(): void { this.tools.querySelector<HTMLInputElement>('.filter')?.focus(); }
 
   private device(): Device | undefined { return this.context.plant.devices.get(this.chosen) ?? this.list.selected; }
+
+  private about(device: Device): Description | undefined { return this.context.plant.descriptions.get(pathOf(device)); }
+
+  private aboutText(device: Device): string {
+    const about = this.about(device);
+    return about ? `${about.protocol} · ${about.address}` : '';
+  }
 
   private noteCauses(): void {
     for (const [path, device] of this.context.plant.devices) {
@@ -125,7 +139,7 @@ class DevicesPage extends SplitPage {
   private arrange(): void {
     const words = kept.filter.toLowerCase().split(/\s+/).filter(Boolean);
     const fitting = orderedDevices(this.context.plant.devices.values()).filter((device) => {
-      const text = `${pathOf(device)} ${reasonText(this.reason(device))}`.toLowerCase();
+      const text = `${pathOf(device)} ${this.aboutText(device)} ${reasonText(this.reason(device))}`.toLowerCase();
       return words.every((each) => text.includes(each));
     });
     const shown = fitting.filter((device) => !kept.state || device.state === kept.state);
@@ -167,7 +181,7 @@ class DevicesPage extends SplitPage {
     const { context } = this;
     const reason = reasonText(this.reason(device));
     const reportAge_ms = context.now() - device.reported_ms;
-    const maintained = this.inMaintenance(device);
+    const maintained = this.inMaintenance(device), about = this.about(device);
     this.details.classList.toggle('stale', reportAge_ms > staleAfter_ms);
     render(html`<a class="back" href=${link('devices')}>‹ ${t('devices.title')}</a>
       <header><h2>${pathOf(device)}</h2>${stateBadge(device.state)}</header>
@@ -177,6 +191,7 @@ class DevicesPage extends SplitPage {
         <a href=${link('programming', [device.bus, device.device])}>${t('programming.title')}</a>
         ${context.mayOperate() ? html`<button type="button" @click=${() => void this.maintain(device)}>${t(maintained ? 'devices.end-maintenance' : 'alarms.maintenance-start')} <kbd>m</kbd></button>` : nothing}</p>
       <dl class="facts">
+        ${about ? html`${fact(t('devices.protocol'), about.protocol)}${fact(t('devices.at'), about.address)}${fact(t('devices.port'), about.port)}` : nothing}
         ${fact(t('devices.answer'), html`<b>${duration(device.answer_time_ms)}</b> ± ${duration(device.answer_spread_ms)}`)}
         ${fact(t('devices.timeout'), duration(device.timeout_ms))}
         ${fact(t('devices.pause'), duration(device.pause_ms))}
@@ -186,6 +201,7 @@ class DevicesPage extends SplitPage {
         ${fact(t('devices.missed'), count(device.deadline_misses))}
         ${fact(t('overview.report-age'), age(reportAge_ms))}
       </dl>
+      ${this.day.draw(pathOf(device))}
       ${this.areas(device)}
       ${this.addresses(t('devices.refused'), t('devices.refused-hint'), device.refused)}
       ${this.addresses(t('devices.gaps'), t('devices.gaps-hint'), device.refused_gaps)}

@@ -156,8 +156,7 @@ class HistoryPage implements Page {
   }
 
   private refreshOf(path: string): number {
-    const { plant } = this.context;
-    return plant.channels.get(plant.ids.get(path) ?? -1)?.refresh_ms ?? 0;
+    return this.context.plant.channelOf(path)?.refresh_ms ?? 0;
   }
 
   private add(path: string): void {
@@ -237,8 +236,8 @@ class HistoryPage implements Page {
     const drawn = this.answer?.series.filter((each) => !each.text) ?? [];
     const line = series ? drawn.indexOf(series) : -1;
     const figures = series && !series.text ? figuresOf(series) : undefined;
-    const type = series?.type ?? '', decimals = figures ? decimalsOf(type, [figures.min, figures.max]) : 0;
-    const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, type, decimals + more) : '–');
+    const shown = { ...this.context.plant.channelOf(path), type: series?.type ?? '' }, decimals = figures ? decimalsOf(shown, [figures.min, figures.max]) : 0;
+    const number = (value: number | null | undefined, more = 0): string => (Number.isFinite(value ?? NaN) ? roundedValue(value, shown, decimals + more) : '–');
     const read = (index: number): string => (line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[index]) : '');
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
@@ -246,7 +245,7 @@ class HistoryPage implements Page {
     return html`<tr>
       <td>${line >= 0 ? swatch(line) : ''}<a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${read(line)}</b></td>${this.compared ? html`<td class="number">${read(line + drawn.length)}</td>` : nothing}<td>${series?.unit}</td>
-      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, type.startsWith('float') ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
+      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average, shown.type.startsWith('float') || shown.digits !== undefined ? 0 : 1)}</td><td class="number">${number(figures?.max)}</td>
       <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}${late ? html`<br><span class="warn">${t('site.late')}: ${late}</span>` : nothing}</td>
       <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.address(this.channels.filter((each) => each !== path)))}>✕</button></td></tr>`;

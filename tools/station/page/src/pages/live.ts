@@ -23,11 +23,12 @@ export const texts = {
   'live.quality': ['Quality', '质量'], 'live.channel': ['Channel', '通道'], 'live.value': ['Value', '数值'], 'live.unit': ['Unit', '单位'],
   'live.age': ['Age', '时长'], 'live.refresh': ['Refresh', '刷新'], 'live.at': ['Address', '地址'],
   'live.none': ['No channel fits the filter.', '没有符合筛选的通道。'], 'live.never': ['never', '从未'], 'live.pin-row': ['Pin {path} on top', '将 {path} 置顶'],
-  'live.pinned': ['Pinned', '已置顶'], 'live.description': ['Description', '说明'],
+  'live.trend': ['Trend', '趋势'], 'live.pinned': ['Pinned', '已置顶'], 'live.description': ['Description', '说明'],
 } as const;
 
 const pinsKey = 'fieldcast.pins';
 const mostPins = 200;
+const trendWidth = 90, trendHeight = 20;
 const longValue = 12;  // characters; a longer text may be cut off
 
 function readPins(): Set<string> {
@@ -49,6 +50,8 @@ class LiveTable {
   private arrangedAt = -1;  // plant.qualityChanges
   private readonly pins = readPins();
   private second = false;
+  private trendTurn = false;  // there are new values for the trends
+  private trendTaken = -1;
   readonly choice: Choice;
 
   constructor(private readonly context: Context, private readonly changed: () => void) {
@@ -60,7 +63,7 @@ class LiveTable {
       columns: [
         { key: 'pin', label: '★' }, { key: 'quality', label: t('live.quality'), sortable: true },
         { key: 'channel', label: t('live.channel'), sortable: true }, { key: 'value', label: t('live.value'), sortable: true },
-        { key: 'unit', label: t('live.unit') }, { key: 'age', label: t('live.age'), sortable: true },
+        { key: 'unit', label: t('live.unit') }, { key: 'trend', label: t('live.trend') }, { key: 'age', label: t('live.age'), sortable: true },
         { key: 'refresh', label: t('live.refresh'), sortable: true }, { key: 'at', label: t('live.at') },
         { key: 'description', label: t('live.description') },
       ],
@@ -87,8 +90,9 @@ class LiveTable {
     if (second && (moves || (byQuality && this.arrangedAt !== this.context.plant.qualityChanges))) this.arrange();
     if (!values && !second) return;
     this.second = second;
+    this.trendTurn = this.trendTaken !== (this.trendTaken = this.context.plant.recent.taken);
     this.table.paint();
-    this.second = false;
+    this.second = this.trendTurn = false;
   }
 
   togglePin(index: number): void {
@@ -131,23 +135,38 @@ class LiveTable {
       row.element.dataset['tone'] = tone;
       const [, state, , value] = row.cells as HTMLElement[];
       setText(state!, `${shape(tone)} ${qualityText(quality)}`);
-      const text = plant.texts.get(id) ?? (acquired_ms === 0 ? '–' : tableValue(id, plant.value[id] ?? NaN, channel.type));
+      const text = plant.texts.get(id) ?? (acquired_ms === 0 ? '–' : tableValue(channel, plant.value[id] ?? NaN));
       setText(value!, text);
       setTitle(value!, text.length > longValue ? text : '');
       if (!fresh) meter.painted(acquired_ms);
     } else if (!this.second) {
       return;
     }
+    if (fresh || this.trendTurn) this.paintTrend(row.cells[5]!, plant.recent.path(id, trendWidth, trendHeight));
     const age_ms = this.context.now() - acquired_ms;
     row.element.classList.toggle('late', acquired_ms > 0 && isLate(channel, age_ms));
-    setText(row.cells[5]!, acquired_ms === 0 ? t('live.never') : age(age_ms));
+    setText(row.cells[6]!, acquired_ms === 0 ? t('live.never') : age(age_ms));
   }
 
   private paintHeading(row: Row, device: string): void {
     delete row.element.dataset['tone'];
     row.element.classList.remove('late');
     row.element.classList.add('heading');
+    row.cells[5]!.replaceChildren();
     row.cells.forEach((cell, index) => setText(cell, index === 2 ? device || `★ ${t('live.pinned')}` : ''));
+  }
+
+  private paintTrend(cell: HTMLElement, path: string): void {
+    let line = cell.querySelector('path');
+    if (!line) {
+      const make = <K extends 'svg' | 'path'>(name: K): SVGElementTagNameMap[K] => document.createElementNS('http://www.w3.org/2000/svg', name);
+      const picture = make('svg');
+      picture.setAttribute('viewBox', `0 -2 ${trendWidth} ${trendHeight + 4}`);
+      picture.ariaHidden = 'true';
+      picture.append(line = make('path'));
+      cell.append(picture);
+    }
+    line.setAttribute('d', path);
   }
 
   // Paints what does not change while a row shows the same channel.
@@ -169,10 +188,10 @@ class LiveTable {
     setText(row.cells[2]!, name);
     setTitle(row.cells[2]!, channel.path);
     setText(row.cells[4]!, channel.unit);
-    setText(row.cells[6]!, channel.refresh_ms ? duration(channel.refresh_ms) : '–');
-    setText(row.cells[7]!, channel.at);
-    setText(row.cells[8]!, channel.description);
-    for (const cell of [4, 7, 8]) setTitle(row.cells[cell]!, row.cells[cell]!.textContent ?? '');
+    setText(row.cells[7]!, channel.refresh_ms ? duration(channel.refresh_ms) : '–');
+    setText(row.cells[8]!, channel.at);
+    setText(row.cells[9]!, channel.description);
+    for (const cell of [4, 8, 9]) setTitle(row.cells[cell]!, row.cells[cell]!.textContent ?? '');
   }
 }
 

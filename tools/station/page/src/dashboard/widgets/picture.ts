@@ -2,6 +2,7 @@
 
 import { nothing, render } from 'lit-html';
 import { query } from '../../api';
+import { shownValue } from '../../format';
 import { ageText, stateWords } from '../reading';
 import type { Reading } from '../reading';
 import { WidgetView, valueText } from '../widget';
@@ -52,7 +53,7 @@ export class PictureWidget extends WidgetView {
 
   private textOf(reading: Reading, index: number): string {
     const { digits } = this.placed[index]!;
-    return digits !== undefined && Number.isFinite(reading.value) && reading.channel?.type !== 'bool' && reading.acquired_ms ?
-      `${reading.value.toFixed(digits)} ${reading.unit}`.trim() : valueText(reading);
+    return digits !== undefined && reading.channel && reading.acquired_ms && !Number.isNaN(reading.value) ?
+      `${shownValue(reading.value, { ...reading.channel, digits })} ${reading.unit}`.trim() : valueText(reading);
   }
 }
