@@ -41,6 +41,11 @@ void Bridge::respond(const ConfigurationMessage& reply) {
   if (link_) link_->respond(reply);
 }
 
+bool Bridge::probe(const std::string& bus, DeviceProbe probe, BusRunner::Probed done) {
+  const std::lock_guard lock(changing_);
+  return buses_ && buses_->probe(bus, std::move(probe), std::move(done));
+}
+
 std::optional<std::map<std::string, Quality>> Bridge::qualities() const {
   const std::lock_guard lock(changing_);
   if (!link_) return std::nullopt;

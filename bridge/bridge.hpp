@@ -76,6 +76,10 @@ class Bridge {
   static constexpr Duration kSoon = std::chrono::seconds{10};
   [[nodiscard]] std::optional<std::map<std::string, Quality>> qualities() const;
 
+  // Reads first values of devices that are not configured; see BusRunner::probe(). Returns false if
+  // the bus does not run here. Any thread; waits for the end of a reload.
+  [[nodiscard]] bool probe(const std::string& bus, DeviceProbe probe, BusRunner::Probed done);
+
   // Last turn of each bus's io thread (BusRunner::last_turn).
   [[nodiscard]] std::vector<BusTurn> turns() const;
 

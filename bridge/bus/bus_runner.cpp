@@ -122,6 +122,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     process(event, steady_now());
   }
 
+  void probe(DeviceProbe probe, Probed done) {
+    if (probe_) return done({}, mapping_);
+    probe_.emplace(std::move(probe), std::move(done));
+    continue_probe();
+  }
+
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_)
       return granted(tl::make_unexpected(LeaseRefused{true, "the bus is leased already"}));
@@ -267,7 +273,11 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }
   void execute(const Promise& promise, Instant) { sink_.promise(promise.channel, promise.gap); }
-  void execute(const Complete& complete, Instant) { sink_.complete(complete.result, mapping_); }
+  void execute(const Complete& complete, Instant) {
+    if (!complete.result.ad_hoc) return sink_.complete(complete.result, mapping_);
+    probe_->first.on_result(complete.result);
+    gate_->post([self = shared_from_this()] { self->continue_probe(); });
+  }
   void execute(const Reopen& reopen, Instant now) {
     notices_.port_closed(reopen.reason, now);
     open_ = false;
@@ -287,6 +297,13 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         if (const auto loop = self.lock()) loop->event(PlanMade{draft});
       });
     });
+  }
+
+  void continue_probe() {
+    const auto command = stopped_ ? std::nullopt : probe_->first.next();
+    if (command) return event(CommandArrived{*command});
+    const auto ended = *std::exchange(probe_, std::nullopt);
+    ended.second(ended.first.devices(), mapping_);
   }
 
   void open_port() {
@@ -369,6 +386,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   UtcMapping mapping_;
   Actions actions_;
   std::uint64_t lease_ = 0;
+  std::optional<std::pair<DeviceProbe, Probed>> probe_;  // the one that runs
   Granted settling_;  // a lease that waits until the line is silent
   Revoked revoked_;   // of the active lease; otherwise empty
   Instant reported_{};
@@ -400,6 +418,12 @@ bool BusRunner::post(Command command) {
   return loop_->gate().post([loop = loop_, arrived = BusEvent{CommandArrived{std::move(command)}}] {
     loop->waiting.fetch_sub(1, std::memory_order_relaxed);
     loop->event(arrived);
+  });
+}
+
+bool BusRunner::probe(DeviceProbe probe, Probed done) {
+  return loop_->gate().post([loop = loop_, probe = std::move(probe), done = std::move(done)] {
+    loop->probe(probe, done);
   });
 }
 

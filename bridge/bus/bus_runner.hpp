@@ -12,6 +12,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "core/base/time.hpp"
+#include "core/bus/command/device_probe.hpp"
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
@@ -85,6 +86,10 @@ class BusRunner {
   // Returns false if too many commands wait. An accepted command ends in one BusSink::complete().
   [[nodiscard]] bool post(Command command);
   void post(std::vector<InterestChanged> interests);
+  // Runs the probe in spare time of the bus. `done` is called once, on the io thread, and must only
+  // post; without devices if another probe runs. Returns false if the bus has stopped.
+  using Probed = std::function<void(const std::vector<ProbedDevice>&, const UtcMapping&)>;
+  [[nodiscard]] bool probe(DeviceProbe probe, Probed done);
   // Sample numbers continue above this number (see CountAbove).
   void count_above(std::uint64_t number);
   // Switches the wire trace on stdout.

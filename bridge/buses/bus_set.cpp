@@ -64,6 +64,11 @@ void BusSet::configure_captures() {
   for (const BusSpec& bus : wanted_) captures_.configure(bus.name, bus.capture);
 }
 
+bool BusSet::probe(const std::string& bus, DeviceProbe probe, BusRunner::Probed done) {
+  const auto found = running_.find(bus);
+  return found != running_.end() && found->second.runner->probe(std::move(probe), std::move(done));
+}
+
 void BusSet::count_above(StandbyTerm term) {
   above_ = sequences_of(term);
   for (const auto& [name, bus] : running_) {

@@ -51,6 +51,8 @@ class BusSet {
   [[nodiscard]] std::vector<BusTurn> turns() const;
   void set_trace(bool on);
   void configure_captures();
+  // See BusRunner::probe(). Returns false if the bus does not run here.
+  [[nodiscard]] bool probe(const std::string& bus, DeviceProbe probe, BusRunner::Probed done);
 
   // Does every slow step of a later start, while another bridge serves the bus.
   void prepare(const BusSpec& bus);

@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "bridge/configure/first_values.hpp"
 #include "bridge/configure/hidden_secrets.hpp"
+#include "bridge/configure/line_scan.hpp"
 #include "bridge/configure/protected_keys.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/pki.hpp"
@@ -33,6 +36,14 @@ std::optional<std::string> text_in(const Tree& request, const char* name, std::s
   return text.size() <= most ? std::optional(text) : std::nullopt;
 }
 
+std::optional<unsigned> address_in(const Tree& request, const char* name) {
+  const std::string text = text_in(request, name, 5).value_or("");
+  unsigned address = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), address);
+  const bool is_whole = !text.empty() && read.ptr == text.data() + text.size();
+  return is_whole && address <= 65535 ? std::optional(address) : std::nullopt;
+}
+
 Outcome no_text(const char* name, std::size_t most) {
   return refused(400, fmt::format("{} is missing or too long", name),
                  fmt::format("\"{}\": a text of at most {} bytes", name, most));
@@ -42,7 +53,25 @@ Outcome unknown_version() {
   return refused(404, "this version is not kept", "GET /api/configuration/versions lists them");
 }
 
-constexpr std::size_t kMostVersionBytes = 64;
+Outcome with_faults(const std::vector<config::Fault>& faults) {
+  return {400, Json{{"error", "the configuration has faults"},
+                    {"hint", "correct the faults"},
+                    {"faults", faults_json(faults)}}
+                   .text()};
+}
+
+Outcome another_probe() {
+  return refused(409, "another engineer reads first values on this bus", "try again");
+}
+
+Outcome no_such_bus(const std::string& bus) {
+  return refused(409, fmt::format("the bus '{}' does not run on this bridge", printable(bus)),
+                 "deploy the bus first, without the new device");
+}
+
+constexpr std::size_t kMostVersionBytes = 64, kMostName = 64;
+// A station waits longer for a reply.
+constexpr Duration kLongestProbe = std::chrono::seconds{8};
 
 }  // namespace
 
@@ -50,7 +79,8 @@ const ConfigurationAgent::Row ConfigurationAgent::kRows[] = {
     {"read", &ConfigurationAgent::read},         {"check", &ConfigurationAgent::check},
     {"deploy", &ConfigurationAgent::deploy},     {"confirm", &ConfigurationAgent::confirm},
     {"rollback", &ConfigurationAgent::rollback}, {"versions", &ConfigurationAgent::versions},
-    {"version", &ConfigurationAgent::version},
+    {"version", &ConfigurationAgent::version},   {"probe", &ConfigurationAgent::probe},
+    {"scan", &ConfigurationAgent::scan},
 };
 
 ConfigurationAgent::ConfigurationAgent(const std::string& file, Ports ports)
@@ -62,7 +92,9 @@ ConfigurationAgent::ConfigurationAgent(const std::string& file, Ports ports)
   watch_->until = ports_.clock().instant + Watch::kLength;
 }
 
-Outcome ConfigurationAgent::run(std::string_view request, const std::string& subject) {
+ConfigurationAgent::Response ConfigurationAgent::run(std::string_view request,
+                                                     const std::string& subject,
+                                                     const Later& later) {
   const Tree parsed = Tree::parse(request, nullptr, false);
   if (!parsed.is_object()) return refused(400, "the request is not a JSON object", "");
   const auto name = text_in(parsed, "operation", 32).value_or("");
@@ -71,7 +103,7 @@ Outcome ConfigurationAgent::run(std::string_view request, const std::string& sub
     return refused(400, fmt::format("the operation '{}' is unknown", printable(name)),
                    "this bridge may be older than the station");
   const std::string user = printable(text_in(parsed, "who", kMostWho).value_or("unknown user"));
-  const Caller caller{subject.empty() ? user : fmt::format("{} ({})", user, subject)};
+  const Caller caller{subject.empty() ? user : fmt::format("{} ({})", user, subject), later};
   try {
     return (this->*row->operation)(parsed, caller);
   } catch (const security::SecurityError& error) {
@@ -80,7 +112,7 @@ Outcome ConfigurationAgent::run(std::string_view request, const std::string& sub
   }
 }
 
-Outcome ConfigurationAgent::read(const Tree&, const Caller&) {
+ConfigurationAgent::Response ConfigurationAgent::read(const Tree&, const Caller&) {
   const std::string text = folder_.present();
   const Draft present = load_present(text, folder_.file());
   Json files = Json::array(), lines = Json::array();
@@ -102,7 +134,7 @@ Outcome ConfigurationAgent::read(const Tree&, const Caller&) {
                {"watch", watch_json()}});
 }
 
-Outcome ConfigurationAgent::check(const Tree& request, const Caller&) {
+ConfigurationAgent::Response ConfigurationAgent::check(const Tree& request, const Caller&) {
   const auto given = text_in(request, "text", kMostText);
   if (!given) return no_text("text", kMostText);
   const std::string before = folder_.present();
@@ -129,7 +161,7 @@ Outcome ConfigurationAgent::check(const Tree& request, const Caller&) {
                {"today", present.loaded ? plans_json(*present.loaded) : Json::array()}});
 }
 
-Outcome ConfigurationAgent::deploy(const Tree& request, const Caller& caller) {
+ConfigurationAgent::Response ConfigurationAgent::deploy(const Tree& request, const Caller& caller) {
   const auto given = text_in(request, "text", kMostText);
   if (!given) return no_text("text", kMostText);
   const auto base = text_in(request, "base", kMostVersionBytes);
@@ -155,11 +187,7 @@ Outcome ConfigurationAgent::deploy(const std::string& given, const std::string& 
   const auto text = with_secrets(given, before);
   if (!text) return refused(400, text.error(), "read the configuration again");
   const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
-  if (!draft.loaded)
-    return {400, Json{{"error", "the configuration has faults"},
-                      {"hint", "correct the faults"},
-                      {"faults", faults_json(draft.loaded.error())}}
-                     .text()};
+  if (!draft.loaded) return with_faults(draft.loaded.error());
   if (!present.loaded)
     return refused(409, "the present file is invalid, so its protected keys are unknown",
                    "an administrator corrects the file itself");
@@ -202,7 +230,8 @@ Outcome ConfigurationAgent::put(const std::string& text, std::string why, const 
                {"until_ms", unix_ms({now.utc.nanoseconds + Watch::kLength.count()})}});
 }
 
-Outcome ConfigurationAgent::confirm(const Tree& request, const Caller& caller) {
+ConfigurationAgent::Response ConfigurationAgent::confirm(const Tree& request,
+                                                         const Caller& caller) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   if (!version) return no_text("version", kMostVersionBytes);
   if (!watch_ || watch_->version != *version)
@@ -213,7 +242,8 @@ Outcome ConfigurationAgent::confirm(const Tree& request, const Caller& caller) {
   return done({{"version", *version}});
 }
 
-Outcome ConfigurationAgent::rollback(const Tree& request, const Caller& caller) {
+ConfigurationAgent::Response ConfigurationAgent::rollback(const Tree& request,
+                                                          const Caller& caller) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   if (!version) return no_text("version", kMostVersionBytes);
   const auto why = text_in(request, "why", kMostWhy);
@@ -229,7 +259,7 @@ Outcome ConfigurationAgent::rollback(const Tree& request, const Caller& caller) 
                 fmt::format("back to {}: {}", *version, *why).substr(0, kMostWhy), caller);
 }
 
-Outcome ConfigurationAgent::versions(const Tree&, const Caller&) {
+ConfigurationAgent::Response ConfigurationAgent::versions(const Tree&, const Caller&) {
   Json list = Json::array();
   for (auto row = folder_.rows().rbegin(); row != folder_.rows().rend(); ++row)
     list.push_back({{"version", row->version},
@@ -240,11 +270,67 @@ Outcome ConfigurationAgent::versions(const Tree&, const Caller&) {
   return done(list);
 }
 
-Outcome ConfigurationAgent::version(const Tree& request, const Caller&) {
+ConfigurationAgent::Response ConfigurationAgent::version(const Tree& request, const Caller&) {
   const auto version = text_in(request, "version", kMostVersionBytes);
   const auto text = version ? folder_.text_of(*version) : std::nullopt;
   if (!text) return unknown_version();
   return done({{"text", without_secrets(*text)}});
+}
+
+ConfigurationAgent::Response ConfigurationAgent::probe(const Tree& request, const Caller& caller) {
+  const auto text = text_in(request, "text", kMostText);
+  if (!text) return no_text("text", kMostText);
+  const std::string bus = text_in(request, "bus", kMostName).value_or("");
+  const std::string device = text_in(request, "device", kMostName).value_or("");
+  const std::string before = folder_.present();
+  const auto whole = with_secrets(*text, before);
+  if (!whole) return refused(400, whole.error(), "read the configuration again");
+  const Draft draft = load_draft(*whole, folder_.file(), load_present(before, folder_.file()).paths,
+                                 Hopeless::kAccept);
+  if (!draft.loaded) return with_faults(draft.loaded.error());
+  const auto found = find_device(*draft.loaded, bus, device);
+  if (!found)
+    return refused(
+        404,
+        fmt::format("the text has no device '{}' on a bus '{}'", printable(device), printable(bus)),
+        "add the device to the text first");
+  note(caller.name, "read first values", fmt::format("of {} on {}", device, bus));
+  const bool runs = ports_.probe(
+      bus,
+      DeviceProbe({*found}, DeviceProbe::Extent::kAllChannels,
+                  ports_.clock().instant + kLongestProbe),
+      [later = caller.later, spec = *found](const auto& devices, const UtcMapping& clock) {
+        later(devices.empty() ? another_probe() : done(first_values_json(spec, devices[0], clock)));
+      });
+  if (!runs) return no_such_bus(bus);
+  return std::nullopt;
+}
+
+ConfigurationAgent::Response ConfigurationAgent::scan(const Tree& request, const Caller& caller) {
+  const std::string bus = text_in(request, "bus", kMostName).value_or("");
+  const std::string protocol = text_in(request, "protocol", kMostName).value_or("");
+  const auto first = address_in(request, "first"), last = address_in(request, "last");
+  if (!first || !last)
+    return refused(400, "first or last is not an address",
+                   "two numbers as texts, as \"1\", \"32\"");
+  const auto present = load_present(folder_.present(), folder_.file()).loaded;
+  if (!present) return with_faults(present.error());
+  const auto spec = std::ranges::find(present->buses, bus, &BusSpec::name);
+  if (spec == present->buses.end()) return no_such_bus(bus);
+  const auto part = scan_part(*spec, protocol, *first, *last);
+  if (!part) return refused(400, part.error(), "choose a protocol and addresses of this bus");
+  if (part->devices.empty()) return done(scan_json(*part, {}));
+  note(caller.name, "scan",
+       fmt::format("addresses {} to {} of {} on {}", *first, *last, printable(protocol), bus));
+  const bool runs =
+      ports_.probe(bus,
+                   DeviceProbe(part->devices, DeviceProbe::Extent::kUntilResponse,
+                               ports_.clock().instant + kLongestProbe),
+                   [later = caller.later, part = *part](const auto& devices, const UtcMapping&) {
+                     later(devices.empty() ? another_probe() : done(scan_json(part, devices)));
+                   });
+  if (!runs) return no_such_bus(bus);
+  return std::nullopt;
 }
 
 void ConfigurationAgent::reloaded(const std::string& refusal) {

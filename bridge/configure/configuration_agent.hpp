@@ -1,5 +1,5 @@
 // The operations on the configuration of a bridge: read, check, deploy, confirm, rollback,
-// versions, version. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp),
+// versions, version, probe, scan. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp),
 // and calls the bridge through its ports.
 #pragma once
 
@@ -14,6 +14,7 @@
 #include "bridge/configure/watch.hpp"
 #include "bridge/store/records/records.hpp"
 #include "core/base/time.hpp"
+#include "core/bus/command/device_probe.hpp"
 
 namespace fieldcast::configure {
 
@@ -22,6 +23,8 @@ struct Outcome {
   unsigned status = 200;
   std::string body;  // JSON
 };
+// Gets the outcome of an operation that waits for a bus. Any thread.
+using Later = std::function<void(Outcome outcome)>;
 
 class ConfigurationAgent {
  public:
@@ -34,11 +37,17 @@ class ConfigurationAgent {
     std::function<std::optional<ChannelQualities>()> qualities;
     std::function<void(AuditEntry entry)> audit;
     std::function<UtcMapping()> clock;
+    // Returns false if the bus does not run here. `done` is called once, on any thread, without
+    // devices if another probe runs on this bus.
+    using Probed = std::function<void(const std::vector<ProbedDevice>&, const UtcMapping&)>;
+    std::function<bool(const std::string& bus, DeviceProbe probe, Probed done)> probe;
   };
   ConfigurationAgent(const std::string& file, Ports ports);
 
-  // {"operation", "who", ...}. `subject`: of the requester's identity; may be empty.
-  [[nodiscard]] Outcome run(std::string_view request, const std::string& subject);
+  // {"operation", "who", ...}. `subject`: of the requester's identity; may be empty. Empty: `later`
+  // gets the outcome.
+  [[nodiscard]] std::optional<Outcome> run(std::string_view request, const std::string& subject,
+                                           const Later& later);
 
   // `refusal`: why the bridge did not load the file; empty if it did.
   void reloaded(const std::string& refusal);
@@ -49,22 +58,26 @@ class ConfigurationAgent {
  private:
   struct Caller {
     std::string name;  // "anna (engineer station-1)"
+    const Later& later;
   };
   using Tree = nlohmann::json;
-  using Operation = Outcome (ConfigurationAgent::*)(const Tree& request, const Caller& caller);
+  using Response = std::optional<Outcome>;
+  using Operation = Response (ConfigurationAgent::*)(const Tree& request, const Caller& caller);
   struct Row {
     std::string_view name;
     Operation operation;
   };
   static const Row kRows[];
 
-  Outcome read(const Tree& request, const Caller& caller);
-  Outcome check(const Tree& request, const Caller& caller);
-  Outcome deploy(const Tree& request, const Caller& caller);
-  Outcome confirm(const Tree& request, const Caller& caller);
-  Outcome rollback(const Tree& request, const Caller& caller);
-  Outcome versions(const Tree& request, const Caller& caller);
-  Outcome version(const Tree& request, const Caller& caller);
+  Response read(const Tree& request, const Caller& caller);
+  Response check(const Tree& request, const Caller& caller);
+  Response deploy(const Tree& request, const Caller& caller);
+  Response confirm(const Tree& request, const Caller& caller);
+  Response rollback(const Tree& request, const Caller& caller);
+  Response versions(const Tree& request, const Caller& caller);
+  Response version(const Tree& request, const Caller& caller);
+  Response probe(const Tree& request, const Caller& caller);
+  Response scan(const Tree& request, const Caller& caller);
 
   // `base`: the version that was changed.
   Outcome deploy(const std::string& given, const std::string& base, const std::string& why,

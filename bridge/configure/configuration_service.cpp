@@ -10,18 +10,6 @@
 
 namespace fieldcast {
 
-namespace {
-
-std::string reply_text(unsigned status, const std::string& body) {
-  return Json{{"status", status}, {"body", body}}.text();
-}
-
-std::string refusal_text(unsigned status, const std::string& error, const std::string& hint) {
-  return reply_text(status, Json{{"error", error}, {"hint", hint}}.text());
-}
-
-}  // namespace
-
 std::string refusal_of_requests(const BridgeSpec& spec, bool is_on_loopback) {
   if (!spec.configure.allow)
     return "this bridge does not allow changes from here; an administrator writes "
@@ -64,10 +52,12 @@ void ConfigurationService::receive(ConfigurationMessage request, std::string sub
   changed_.notify_one();
 }
 
-void ConfigurationService::reloaded(std::string refusal) {
+void ConfigurationService::reloaded(std::string refusal) { put(Reload{std::move(refusal)}); }
+
+void ConfigurationService::put(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.emplace_back(Reload{std::move(refusal)});
+    tasks_.push_back(std::move(task));
   }
   changed_.notify_one();
 }
@@ -99,24 +89,36 @@ void ConfigurationService::run(const std::string& file,
   }
 }
 
-void ConfigurationService::serve(configure::ConfigurationAgent& agent,
-                                 std::variant<Request, Reload> task) {
+void ConfigurationService::serve(configure::ConfigurationAgent& agent, Task task) {
   try {
     if (const auto* reload = std::get_if<Reload>(&task)) return agent.reloaded(reload->refusal);
-    auto& request = std::get<Request>(task);
-    ConfigurationMessage& message = request.message;
-    if (!request.fault.empty()) {
-      message.text = refusal_text(403, request.fault, "");
-    } else {
-      const configure::Outcome outcome = agent.run(message.text, request.subject);
-      message.text = reply_text(outcome.status, outcome.body);
-    }
-    if (message.text.size() > ConfigurationMessage::kMostBytes)
-      message.text =
-          refusal_text(413, "the reply is too long for a message",
-                       "an administrator changes a configuration of this size in its file");
-    respond_(message);
+    if (auto* response = std::get_if<Response>(&task))
+      return respond(response->message, response->outcome);
+    serve(agent, std::move(std::get<Request>(task)));
   } catch (const std::exception& error) { log_error("configuration", error.what()); }
+}
+
+void ConfigurationService::serve(configure::ConfigurationAgent& agent, Request request) {
+  ConfigurationMessage& message = request.message;
+  if (!request.fault.empty())
+    return respond(message, {403, Json{{"error", request.fault}, {"hint", ""}}.text()});
+  const std::string text = std::exchange(message.text, {});
+  const auto later = [this, message](configure::Outcome outcome) {
+    put(Response{message, std::move(outcome)});
+  };
+  if (const auto outcome = agent.run(text, request.subject, later)) respond(message, *outcome);
+}
+
+void ConfigurationService::respond(ConfigurationMessage& message,
+                                   const configure::Outcome& outcome) {
+  message.text = Json{{"status", outcome.status}, {"body", outcome.body}}.text();
+  if (message.text.size() > ConfigurationMessage::kMostBytes)
+    return respond(message, {413, Json{{"error", "the reply is too long for a message"},
+                                       {"hint",
+                                        "an administrator changes a configuration of this size in "
+                                        "its file"}}
+                                      .text()});
+  respond_(message);
 }
 
 }  // namespace fieldcast

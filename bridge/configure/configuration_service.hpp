@@ -20,7 +20,8 @@ class ConfigurationService {
   static constexpr std::size_t kMostWaiting = 8;  // requests; more are refused
   static constexpr Duration kLook = std::chrono::seconds{1};
 
-  // `respond` is called on the service's thread, as the ports are.
+  // `respond` is called on the service's thread, as the ports are. A probe that runs must end before
+  // this object is destroyed; its buses end it when they stop.
   ConfigurationService(const std::string& file, configure::ConfigurationAgent::Ports ports,
                        std::function<void(const ConfigurationMessage& reply)> respond);
   ~ConfigurationService() { close(); }
@@ -43,13 +44,22 @@ class ConfigurationService {
   struct Reload {
     std::string refusal;
   };
+  // To a request without its text.
+  struct Response {
+    ConfigurationMessage message;
+    configure::Outcome outcome;
+  };
+  using Task = std::variant<Request, Reload, Response>;
+  void put(Task task);
   void run(const std::string& file, const configure::ConfigurationAgent::Ports& ports);
-  void serve(configure::ConfigurationAgent& agent, std::variant<Request, Reload> task);
+  void serve(configure::ConfigurationAgent& agent, Task task);
+  void serve(configure::ConfigurationAgent& agent, Request request);
+  void respond(ConfigurationMessage& message, const configure::Outcome& outcome);
 
   const std::function<void(const ConfigurationMessage& reply)> respond_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::variant<Request, Reload>> tasks_;
+  std::deque<Task> tasks_;
   std::string refusal_ = "the bridge is starting";
   bool ending_ = false;
   std::thread thread_;  // last: it uses the members above

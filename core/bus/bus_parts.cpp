@@ -45,17 +45,21 @@ tl::expected<void, CommandFault> BusParts::admit(const Command& command, Instant
   late.expire(now);
   std::optional<DeviceIndex> free;
   for (auto index = static_cast<DeviceIndex>(setup.devices()); index < setup.slots(); ++index) {
-    const bool busy = commands.uses(index) || late.owes(index);
-    const bool same = setup.protocols()[index] && same_address(setup.device(index), device);
-    if (busy && same)
-      return fault(Cause::kQueueFull, "an earlier request to this address is still pending");
-    if (!busy && (!free || same)) free = index;
+    const bool waits = commands.uses(index), owes = late.owes(index);
+    if (setup.protocols()[index] && same_address(setup.device(index), device)) {
+      // Pending responses stay valid for the same device with other channels or another timeout.
+      if (waits || (owes && setup.device(index).link != device.link))
+        return fault(Cause::kQueueFull, "an earlier request to this address is still pending");
+      free = index;
+      break;
+    }
+    if (!waits && !owes && !free) free = index;
   }
   if (!free) return fault(Cause::kQueueFull, "requests to other devices are still pending");
   if (!setup.set_ad_hoc(*free, device))
     return fault(Cause::kBadAddress, "the protocol does not have this address");
   devices.replaced(*free);
-  late.replaced(*free);
+  if (!late.owes(*free)) late.replaced(*free);
   return {};
 }
 

@@ -1,6 +1,8 @@
 // Reads of devices that are not configured, on a simulated line of 19 200 baud, in virtual time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/bus/command/device_probe.hpp"
 #include "tests/bus/plant.hpp"
 
@@ -17,6 +19,19 @@ struct Newcomer {
   // Writes a value of its own to each register, then removes the device from the engine.
   void remove() {
     fill(bus, whole);
+    configure_the_others();
+  }
+  // The same, if the device often does not respond in time.
+  void remove_late_one() {
+    for (ChannelIndex c = 80; c < 100; ++c) {
+      do {
+        bus.command(write_of(whole, c, value_of(c)));
+        bus.run_until(bus.now() + 5s);
+      } while (bus.results().at(bus.commands_sent()).front().state != CommandState::kDone);
+    }
+    configure_the_others();
+  }
+  void configure_the_others() {
     BusSpec rest = whole;
     device = rest.devices.back();
     rest.devices.pop_back();
@@ -133,7 +148,8 @@ TEST(AdHoc, ALateResponseIsNeverAValueOfAnotherDevice) {
     const auto good = plant.bus.channels().front().good;
     const auto sent = plant.bus.plant().members().back().dice.late();
     for (int i = 0; i < 20; ++i) {
-      for (const ProbedChannel& channel : plant.probe({plant.device}, 60s).front().channels)
+      const auto probed = plant.probe({plant.device}, 60s);
+      for (const ProbedChannel& channel : probed.front().channels)
         EXPECT_FALSE(channel.value) << "a value of an earlier request";
     }
     EXPECT_GT(plant.bus.channels().front().good, good + 5);
@@ -165,6 +181,29 @@ TEST(AdHoc, WhatCouldDisturbTheBusIsRefused) {
   write.values = {Value{std::uint64_t{1}}};
   plant.bus.command(write);
   EXPECT_EQ(plant.bus.results().at(plant.bus.commands_sent()).front().cause, Cause::kUnsupported);
+}
+
+// Requests wait until no response to the earlier ones can arrive, so none is matched to them.
+TEST(AdHoc, TheSameAddressCanBeReadAgainWithOtherChannels) {
+  sim::BusFaults faults;
+  faults.devices["unit-5"].late_probability = 0.5;
+  faults.devices["unit-5"].late = 400ms;
+  Newcomer plant("refresh: 1s", faults);
+  plant.remove_late_one();
+  unsigned values = 0;
+  for (int i = 0; i < 40; ++i) {
+    DeviceSpec device = plant.device;
+    device.timeout = std::chrono::milliseconds{200 + i};  // late responses: within three of them
+    std::rotate(device.channels.begin(), device.channels.begin() + i % 20, device.channels.end());
+    const auto probed = plant.probe({device}, 60s);
+    for (const ProbedChannel& channel : probed.front().channels) {
+      EXPECT_NE(channel.cause, Cause::kQueueFull);
+      const auto index = static_cast<ChannelIndex>(std::stoi(channel.name.substr(1)));
+      values += channel.value.has_value();
+      EXPECT_EQ(channel.value.value_or(Value{value_of(80 + index)}), Value{value_of(80 + index)});
+    }
+  }
+  EXPECT_GT(values, 40u);
 }
 
 TEST(AdHoc, AClosedPortAndAStopEndTheProbe) {

@@ -36,7 +36,8 @@ ENGINEER = "web: { local-role: engineer }\n"
 ROUTES = [("GET", "/api/configuration?bridge=e2e"), ("GET", "/api/configuration/schema"), ("GET", "/api/configuration/templates"),
           ("GET", "/api/configuration/versions?bridge=e2e"), ("GET", "/api/configuration/version?bridge=e2e&version=0"),
           ("POST", "/api/configuration/check"), ("POST", "/api/configuration/deploy"), ("POST", "/api/configuration/confirm"),
-          ("POST", "/api/configuration/rollback"), ("POST", "/api/configuration/import")]
+          ("POST", "/api/configuration/rollback"), ("POST", "/api/configuration/import"), ("POST", "/api/configuration/probe"),
+          ("POST", "/api/configuration/scan")]
 
 
 def version_of(text):
@@ -163,7 +164,7 @@ class Configure(unittest.TestCase):
                 if role:
                     self.assertEqual(browser.log_in(role, PASSWORD), 200)
                 for method, path in ROUTES:
-                    body = None if method == "GET" else {"bridge": "e2e", "text": "", "base": "", "why": "x", "version": ""}
+                    body = None if method == "GET" else {"bridge": "e2e", "text": "", "base": "", "why": "x", "version": "", "bus": "", "device": "", "protocol": "", "first": "", "last": ""}
                     self.assertEqual(browser.ask(method, path, body)[0], expected, (role, path))
                 self.assertEqual(browser.ask("POST", "/api/configuration/check", {"bridge": "e2e", "text": "x" * 100_000})[0], 413)
 
@@ -183,6 +184,72 @@ class Configure(unittest.TestCase):
         # longer than other requests may be
         status, check = self.post("check", text=self.file() + "# " + "x" * 300_000 + "\n")
         self.assertEqual((status, check["faults"]), (200, []))
+
+
+METER = """      - name: meter
+        address: 7
+        channels:
+          - { name: energy, at: "holding:300", type: float32, unit: kWh }
+          - { name: level, at: "input-register:3", type: uint16 }
+"""
+
+
+class NewDevice(unittest.TestCase):
+    """The simulator has the meter, and the bridge has not."""
+
+    def setUp(self):
+        self.plant = self.enterContext(Plant(BIN_DIR, CONFIG.replace("refresh: 200ms", "refresh: 500ms, timeout: 100ms") + METER))
+        self.station = self.enterContext(Station(self.plant, "desk", ENGINEER, "--listen", "127.0.0.1:0"))
+        self.browser = Browser(self.station)
+        read = self.browser.get("/api/configuration?bridge=e2e")
+        self.text = read["text"].replace(METER, "")
+        status, deployed = self.post("deploy", base=read["version"], text=self.text, why="without the meter")
+        self.assertEqual(status, 200, deployed)
+        wait_until(lambda: [row["channel"] for row in self.browser.get("/api/channels")] == ["line/press/speed", "line/press/temperature"], SECONDS,
+                   lambda: self.browser.get("/api/channels"))
+        wait_until(lambda: self.post("confirm", version=deployed["version"])[0] == 200, SECONDS, "the version is not confirmed")
+        wait_until(lambda: {row["quality"] for row in self.browser.get("/api/channels")} == {"GOOD"}, SECONDS, lambda: self.browser.get("/api/channels"))
+        self.draft = self.text.replace("\ndds:", METER + "\ndds:")
+
+    def post(self, operation, **body):
+        status, text = self.browser.ask("POST", f"/api/configuration/{operation}", {"bridge": "e2e"} | body)
+        return status, json.loads(text)
+
+    def misses(self):
+        return self.browser.get("/api/buses")[0]["deadline_misses"]
+
+    def test_first_values_of_a_new_device_cost_no_refresh_and_save_nothing(self):
+        before = self.misses()
+        for _ in range(5):
+            status, found = self.post("probe", bus="line", device="meter", text=self.draft)
+            self.assertEqual(status, 200, found)
+            self.assertEqual([(row["channel"], row["quality"], row["unit"], row["error"]) for row in found["values"]],
+                             [("energy", "GOOD", "kWh", ""), ("level", "GOOD", "", "")])
+            self.assertTrue(all(isinstance(row["value"], (int, float)) for row in found["values"]), found)
+        silent = self.post("probe", bus="line", device="meter", text=self.draft.replace("address: 7", "address: 9"))[1]
+        self.assertEqual({(row["quality"], row["cause"]) for row in silent["values"]}, {("BAD_NO_ANSWER", "NO_ANSWER")}, silent)
+        taken = self.post("probe", bus="line", device="meter", text=self.draft.replace("address: 7", "address: 1"))[1]
+        self.assertIn("exists already", json.dumps(taken))  # the loader's fault
+        time.sleep(2)  # bus reports are sent each second
+        self.assertEqual(self.misses(), before)
+        self.assertEqual(self.browser.get("/api/configuration?bridge=e2e")["text"], self.text)
+        status, wrong = self.post("probe", bus="line", device="meter", text=self.draft.replace("float32, unit", "float33, unit"))
+        self.assertEqual((status, len(wrong["faults"])), (400, 1), wrong)
+        self.assertEqual(self.post("probe", bus="line", device="other", text=self.draft)[0], 404)
+        audit = lambda: self.plant.cli("audit", "--store", os.path.join(self.plant.run, "plant.db")).out
+        wait_until(lambda: "of meter on line" in audit(), SECONDS, audit)
+
+
+    def test_a_scan_finds_the_device_that_is_not_configured(self):
+        before, found, part = self.misses(), [], {"next": 1}
+        while part["next"] is not None:
+            status, part = self.post("scan", bus="line", protocol="modbus-rtu", first=str(part["next"]), last="20")
+            self.assertEqual((status, part["error"]), (200, ""), part)
+            found += part["found"]
+        self.assertEqual([(row["address"], row["responded"]) for row in found], [("7", True)], found)
+        time.sleep(2)
+        self.assertEqual(self.misses(), before)
+        self.assertEqual(self.post("scan", bus="line", protocol="dtc", first="1", last="2")[0], 400)
 
 
 class OtherBridges(unittest.TestCase):

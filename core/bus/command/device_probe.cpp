@@ -59,13 +59,15 @@ void DeviceProbe::on_result(const CommandResult& result) {
   channel.at = result.completed;
   channel.took = result.completed - result.started;
   device.channels.push_back(std::move(channel));
-  ended_ = is_one_of(kOfBus, result.cause);
+  ended_ = ends_probe(result.cause);
   if (ended_ || !leaves_device(device)) return;
   if (probed_.size() == specs_.size())
     ended_ = true;
   else
     probed_.push_back({specs_[probed_.size()]->name, {}});
 }
+
+bool DeviceProbe::ends_probe(Cause cause) { return is_one_of(kOfBus, cause); }
 
 bool DeviceProbe::leaves_device(const ProbedDevice& device) const {
   if (device.channels.size() == specs_[probed_.size() - 1]->channels.size()) return true;

@@ -44,6 +44,8 @@ class DeviceProbe {
   void on_result(const CommandResult& result);
   // One for each device that was begun.
   [[nodiscard]] const std::vector<ProbedDevice>& devices() const { return probed_; }
+  // Whether nothing more can be sent after a result with this cause.
+  [[nodiscard]] static bool ends_probe(Cause cause);
 
  private:
   [[nodiscard]] bool leaves_device(const ProbedDevice& device) const;

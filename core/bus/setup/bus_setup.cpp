@@ -55,10 +55,15 @@ std::optional<std::string> BusSetup::why_not_ad_hoc(const DeviceSpec& device) co
 }
 
 bool BusSetup::set_ad_hoc(DeviceIndex index, const DeviceSpec& device) {
-  auto protocol = make_protocol(device, line_);
-  if (!protocol) return false;
-  protocols_[index] = std::move(*protocol);
-  ad_hoc_[index - devices()] = device;
+  DeviceSpec& former = ad_hoc_[index - devices()];
+  const bool is_same = protocols_[index] && same_address(former, device) &&
+                       former.link == device.link && former.declaration == device.declaration;
+  if (!is_same) {  // exchanges of pending responses refer to the protocol
+    auto protocol = make_protocol(device, line_);
+    if (!protocol) return false;
+    protocols_[index] = std::move(*protocol);
+  }
+  former = device;
   return true;
 }
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <optional>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/base/io_thread.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
@@ -119,6 +121,37 @@ TEST_F(BusRunnerTest, AcquiredIsStampedInUtc) {
     EXPECT_GE(record.acquired[i].nanoseconds, before - 1'000'000);
     EXPECT_LE(record.acquired[i].nanoseconds, wall() + 1'000'000);
   }
+}
+
+// One probe at a time; each ends once, also when the bus stops.
+TEST_F(BusRunnerTest, AProbeEndsOnce) {
+  ModbusDevice device(pty);
+  BusSpec bus = bus_at(pty.path());
+  for (ChannelSpec& channel : bus.devices.front().channels) channel.refresh = milliseconds{500};
+  begin(bus);
+  ASSERT_TRUE(sink.wait_for([](const Record& r) { return good_samples(r) >= 4; }));
+  DeviceSpec silent = bus.devices.front();
+  silent.link.address = 2;
+  using Results = std::vector<ProbedDevice>;
+  const auto probe = [&](const DeviceSpec& spec) {
+    auto ended = std::make_shared<std::promise<Results>>();
+    const Instant limit = steady_now() + std::chrono::seconds{30};
+    EXPECT_TRUE(runner->probe(DeviceProbe({spec}, DeviceProbe::Extent::kAllChannels, limit),
+                              [ended](const Results& devices, const UtcMapping&) {
+                                ended->set_value(devices);  // throws if it is called twice
+                              }));
+    return ended->get_future();
+  };
+  const Results first = probe(silent).get();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first.front().channels.size(), DeviceProbe::kMostSilent);
+  EXPECT_EQ(first.front().channels.front().cause, Cause::kNoResponse);
+  silent.timeout = std::chrono::seconds{20};  // it waits for free time
+  auto waiting = probe(silent);
+  EXPECT_TRUE(probe(silent).get().empty());
+  stop();
+  EXPECT_EQ(waiting.get().front().channels.front().cause, Cause::kShutdown);
+  EXPECT_TRUE(sink.record().results.empty()) << "they are not results of commands";
 }
 
 TEST_F(BusRunnerTest, AWriteReachesTheDeviceOnceAndEndsInOneResult) {

@@ -39,17 +39,23 @@ class ConfigurationAgentTest : public testing::Test {
                               .reload = [this] { ++reloads_; },
                               .qualities = [this] { return qualities_; },
                               .audit = [this](AuditEntry entry) { audit_.push_back(entry); },
-                              .clock =
-                                  [this] {
-                                    return UtcMapping{now_, {now_.time_since_epoch().count()}};
+                              .clock = [this] { return clock(); },
+                              .probe =
+                                  [this](const std::string& bus, DeviceProbe probe, auto done) {
+                                    bus_ = bus;
+                                    probe_.emplace(std::move(probe));
+                                    probed_ = std::move(done);
+                                    return bus == "line";
                                   }});
   }
   std::pair<unsigned, json> run(const std::string& operation, json request = json::object()) {
     request["operation"] = operation;
     if (!request.contains("who")) request["who"] = "anna";
-    const Outcome outcome = agent_->run(request.dump(), "");
-    return {outcome.status, json::parse(outcome.body)};
+    auto outcome = agent_->run(request.dump(), "", [this](Outcome late) { later_ = late; });
+    if (!outcome) return {0, {}};
+    return {outcome->status, json::parse(outcome->body)};
   }
+  [[nodiscard]] UtcMapping clock() const { return {now_, {now_.time_since_epoch().count()}}; }
   std::pair<unsigned, json> deploy(const std::string& text) {
     return run("deploy", {{"text", text}, {"base", version_of(file())}, {"why", "a test"}});
   }
@@ -63,6 +69,10 @@ class ConfigurationAgentTest : public testing::Test {
   int reloads_ = 0;
   std::optional<ChannelQualities> qualities_ = ChannelQualities{{"line/d/c", Quality::kGood}};
   std::vector<AuditEntry> audit_;
+  std::string bus_;
+  std::optional<DeviceProbe> probe_;
+  ConfigurationAgent::Ports::Probed probed_;
+  std::optional<Outcome> later_;
   std::optional<ConfigurationAgent> agent_;
 };
 
@@ -135,7 +145,7 @@ TEST_F(ConfigurationAgentTest, RefusesFaultsProtectedKeysAndEmptyReasons) {
   EXPECT_EQ(run("deploy", {{"text", more_}, {"base", version_of(kText)}, {"why", ""}}).first, 400u);
   EXPECT_EQ(run("deploy", {{"base", version_of(kText)}, {"why", "x"}}).first, 400u);
   EXPECT_EQ(run("dance").first, 400u);
-  EXPECT_EQ(agent_->run("[1]", "").status, 400u);
+  EXPECT_EQ(agent_->run("[1]", "", {})->status, 400u);
   EXPECT_EQ(file(), kText);
   EXPECT_EQ(reloads_, 0);
 }
@@ -202,6 +212,82 @@ TEST_F(ConfigurationAgentTest, ADeploymentThatDidNotReachTheFileIsForgotten) {
   start();
   EXPECT_FALSE(agent_->is_watching());
   EXPECT_EQ(file(), kText);
+}
+
+constexpr const char* kMeter =
+    "      - { name: meter, address: 7, channels: [ { name: power, at: \"holding:8\", type: int16, "
+    "scale: 0.1, unit: kW }, { name: more, at: \"holding:9\", type: int16 } ] }\n";
+
+TEST_F(ConfigurationAgentTest, FirstValuesAreThoseOfTheDraftAndNothingIsSaved) {
+  const json request{{"text", std::string(kText) + kMeter}, {"bus", "line"}, {"device", "meter"}};
+  EXPECT_EQ(run("probe", request).first, 0u);
+  EXPECT_EQ(file(), kText);
+  EXPECT_EQ(bus_, "line");
+  const Command first = *probe_->next();
+  EXPECT_EQ(first.ad_hoc->link.address, 7);
+  EXPECT_GT(first.expires, now_);
+  CommandResult result;
+  result.values = {Value{23.5}};
+  result.completed = now_ + 1s;
+  probe_->on_result(result);
+  result = rejection(*probe_->next(), Cause::kExpired, "expired", now_);
+  probe_->on_result(result);
+  EXPECT_FALSE(later_);
+  probed_(probe_->devices(), clock());
+  ASSERT_TRUE(later_);
+  EXPECT_EQ(later_->status, 200u);
+  const json body = json::parse(later_->body);
+  EXPECT_EQ(body["left_out"], 0);
+  const json good = body["values"][0], bad = body["values"][1];
+  EXPECT_EQ(good["value"], 23.5);
+  EXPECT_EQ(good["quality"], "GOOD");
+  EXPECT_EQ(good["unit"], "kW");
+  EXPECT_EQ(good["error"], "");
+  EXPECT_EQ(good["at_ms"], 3'601'000);
+  EXPECT_TRUE(bad["value"].is_null());
+  EXPECT_EQ(bad["cause"], "EXPIRED");
+  EXPECT_THAT(std::string(bad["error"]), HasSubstr("shorter timeout"));
+  ASSERT_EQ(audit_.size(), 1u);
+  EXPECT_EQ(audit_[0].what, "configuration: read first values");
+  EXPECT_EQ(audit_[0].result, "of meter on line");
+}
+
+TEST_F(ConfigurationAgentTest, AProbeThatCannotRunIsRefused) {
+  const std::string text = std::string(kText) + kMeter;
+  const auto probe = [&](const std::string& draft, const char* bus, const char* device) {
+    return run("probe", {{"text", draft}, {"bus", bus}, {"device", device}});
+  };
+  EXPECT_EQ(probe(text, "line", "other").first, 404u);
+  EXPECT_EQ(probe(text, "other", "meter").first, 404u);
+  const auto [status, body] = probe(text + "      - { name: x }\n", "line", "meter");
+  EXPECT_EQ(status, 400u);
+  EXPECT_FALSE(body["faults"].empty());
+  EXPECT_EQ(run("probe", {{"bus", "line"}}).first, 400u);
+  EXPECT_FALSE(probe_);
+  std::string moved = text;
+  moved.replace(moved.find("name: line"), 10, "name: hall");
+  EXPECT_EQ(probe(moved, "hall", "meter").first, 409u) << "not running";
+  EXPECT_EQ(probe(text, "line", "meter").first, 0u);
+  probed_({}, clock());
+  EXPECT_EQ(later_->status, 409u) << "another probe";
+}
+
+TEST_F(ConfigurationAgentTest, AScanRequestsTheFreeAddressesOfARunningBus) {
+  const auto scan = [&](const char* bus, const char* protocol, const char* first,
+                        const char* last) {
+    return run("scan", {{"bus", bus}, {"protocol", protocol}, {"first", first}, {"last", last}});
+  };
+  EXPECT_EQ(scan("line", "modbus-tcp", "1", "3").first, 0u);
+  EXPECT_EQ(probe_->next()->ad_hoc->link.address, 2) << "the bus has a device 1";
+  probe_->on_result(rejection(*probe_->next(), Cause::kLeased, "leased", now_));
+  probed_(probe_->devices(), clock());
+  EXPECT_EQ(json::parse(later_->body)["error"], "leased");
+  EXPECT_EQ(audit_[0].result, "addresses 1 to 3 of modbus-tcp on line");
+  EXPECT_EQ(scan("line", "modbus-tcp", "1", "1").second["next"], nullptr);
+  EXPECT_EQ(scan("hall", "modbus-tcp", "1", "3").first, 409u);
+  for (const char* wrong : {"", "x", "-1", "70000", "1 "})
+    EXPECT_EQ(scan("line", "modbus-tcp", wrong, "3").first, 400u) << wrong;
+  EXPECT_EQ(scan("line", "modbus-rtu", "1", "3").first, 400u);
 }
 
 TEST(RefusalOfRequests, NeedsTheKeyAndASafeDomain) {

@@ -72,21 +72,6 @@ bool same_format(const LineFormat& a, const LineFormat& b) {
   return a.data_bits == b.data_bits && a.parity == b.parity && a.stop_bits == b.stop_bits;
 }
 
-// First item of an area in the protocol's notation; for a record its first value.
-std::optional<std::string> first_of(const NamedProtocol& named, const Protocol& protocol,
-                                    AreaIndex index) {
-  if (named.built_in == nullptr) {
-    const declared::DeclaredArea& area = named.declaration.value->areas[index];
-    if (area.record && !area.places.empty()) return area.places.front().name;
-  }
-  const std::string name(protocol.areas()[index].name);
-  for (const char* end : {":0", "0", "B0", "W0", "00"}) {
-    const auto parsed = protocol.parse_address(name + end);
-    if (parsed && parsed->area == index && parsed->first == 0 && !parsed->bit) return name + end;
-  }
-  return std::nullopt;
-}
-
 // Wire time of one request without the response.
 Duration request_time(const ScanLine& line) {
   const auto protocol = scan_protocol(line.protocol, line.addresses.front());
@@ -201,25 +186,6 @@ std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
     if (!there.empty()) lines.push_back({protocol, format, there});
   }
   return lines;
-}
-
-std::vector<ScanQuestion> questions_of(const NamedProtocol& named, const Protocol& protocol) {
-  std::vector<ScanQuestion> questions;
-  const auto add = [&](bool registers) {
-    for (std::size_t i = 0; i < protocol.areas().size(); ++i) {
-      const auto index = static_cast<AreaIndex>(i);
-      const Area& area = protocol.areas()[i];
-      if ((area.item_bits > 1) != registers) continue;
-      const bool record = area.window && named.built_in == nullptr;
-      const Range range{index, 0, record ? area.items : std::max<std::uint32_t>(1, area.alignment)};
-      const auto at = first_of(named, protocol, index);
-      if (at && questions.size() < kMostQuestions && protocol.size(ReadRequest{{range}}))
-        questions.push_back({*at, range});
-    }
-  };
-  add(true);
-  if (questions.empty()) add(false);
-  return questions;
 }
 
 Duration silent_scan_time(const std::vector<ScanLine>& lines, Duration timeout) {

@@ -13,15 +13,10 @@
 
 #include "core/base/time.hpp"
 #include "core/frame/line.hpp"
+#include "core/model/scan_question.hpp"
 #include "tools/cli/model/address_notation.hpp"
 
 namespace fieldcast::cli {
-
-// A request that changes nothing in any device: reads one item of an area.
-struct ScanQuestion {
-  std::string at;  // "holding:0"
-  Range range;
-};
 
 // Each probe waits `probe_wait` for the first byte of a response, the last one `last_probe_wait`. A
 // response during the next probe still counts for the line.
@@ -60,10 +55,10 @@ struct ScanLine {
                                                const std::vector<LineFormat>& formats,
                                                const std::vector<std::uint16_t>& addresses);
 
-// One or two requests of different areas, because a device may ignore areas that it does not have.
-// A declared record is read completely.
-[[nodiscard]] std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
-                                                     const Protocol& protocol);
+[[nodiscard]] inline std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
+                                                            const Protocol& protocol) {
+  return scan_questions(protocol, named.declaration);
+}
 
 // Default limit for a scan of a silent line, for each protocol.
 inline constexpr Duration kQuickScan = std::chrono::seconds{10};

@@ -55,7 +55,7 @@ ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, sh
     show_plan, show_report, show_result, show_sessions, show_sites, show_users, export_history;
 ApiHandler show_configuration, check_configuration, deploy_configuration, confirm_configuration,
     roll_back_configuration, show_configuration_versions, show_configuration_version,
-    show_configuration_schema, show_device_templates, import_configuration;
+    show_configuration_schema, show_device_templates, import_configuration, probe_device, scan_bus;
 ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device,
     end_session;
 ApiHandler list_dashboards, show_dashboard, check_dashboard_text, save_dashboard, delete_dashboard,
@@ -93,7 +93,10 @@ inline constexpr ApiRow kApiRows[] = {
      kMaxConfigurationBody},
     {Method::kPost, "/api/configuration/import", Access::kEngineer, import_configuration, false,
      kMaxConfigurationBody},
+    {Method::kPost, "/api/configuration/probe", Access::kEngineer, probe_device, false,
+     kMaxConfigurationBody},
     {Method::kPost, "/api/configuration/rollback", Access::kEngineer, roll_back_configuration},
+    {Method::kPost, "/api/configuration/scan", Access::kEngineer, scan_bus},
     {Method::kGet, "/api/configuration/schema", Access::kEngineer, show_configuration_schema},
     {Method::kGet, "/api/configuration/templates", Access::kEngineer, show_device_templates},
     {Method::kGet, "/api/configuration/version", Access::kEngineer, show_configuration_version},

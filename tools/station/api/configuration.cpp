@@ -128,6 +128,16 @@ void roll_back_configuration(const Api& api, const HttpRequest& request, const C
   send_body(api, "rollback", {"bridge", "version", "why"}, request, caller, reply);
 }
 
+void probe_device(const Api& api, const HttpRequest& request, const Caller& caller,
+                  const Reply& reply) {
+  send_body(api, "probe", {"bridge", "bus", "device", "text"}, request, caller, reply);
+}
+
+void scan_bus(const Api& api, const HttpRequest& request, const Caller& caller,
+              const Reply& reply) {
+  send_body(api, "scan", {"bridge", "bus", "protocol", "first", "last"}, request, caller, reply);
+}
+
 void show_configuration_schema(const Api&, const HttpRequest& request, const Caller&,
                                const Reply& reply) {
   if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));

@@ -58,7 +58,7 @@ for (const [name, options] of [['wide and light', {}], ['on a phone in the dark'
     await area(page).fill(`${firstText}      - { name: more, address: 2, template: x }\n      - { name: most, address: 3, template: x }\n`);
     await says(page, '.plan-draft', zh ? /无法满足/ : /Not feasible/);
     await look('plan');
-    for (const source of zh ? ['模板', '文件'] : ['Template', 'File']) {
+    for (const source of zh ? ['模板', '文件', '扫描'] : ['Template', 'File', 'Scan']) {
       if (!await page.locator('.add-device').count()) await button(page, zh ? '添加设备' : 'Add a device').click();
       await button(page, source).click();
       await until(() => page.underWay === 0, 'answers of the station');
@@ -89,6 +89,11 @@ test('a new meter from its template to the confirmed deployment: at most 12 clic
   await page.locator('.picks button', { hasText: /carlo-gavazzi-em24(?!-)/ }).click();
   assert.equal(await page.getByLabel('Address').inputValue(), '2');
   assert.match(await page.textContent('.add-device pre'), /voltage-l1/);
+  await button(page, 'Read first values').click();
+  await says(page, '.add-device table', /voltage-l1\s*231\.4 V/);
+  await says(page, '.add-device table', /current-l1\s*–\s*▲no response within 500 ms/);
+  assert.equal(mock.configuration.text, firstText);  // nothing was saved
+  assert.deepEqual(mock.configuration.probed, [{ bridge: 'north', bus: 'press-shop', device: 'carlo-gavazzi-em24', text: `${firstText}      - { name: carlo-gavazzi-em24, address: 2, template: carlo-gavazzi-em24 }\n` }]);
   await button(page, 'Add to the draft').click();
   await says(page, '.plan-draft', /press-shop\s*45 %\s*device-01\/energy: 940 ms, asked for 1 s\s*90 %/);
   await until(() => button(page, 'Deploy …').isEnabled(), 'the draft may be deployed');
@@ -113,7 +118,7 @@ test('the same by keyboard alone', { skip }, async () => {
   await button(page, 'Add a device').focus();
   await press('Enter');
   await says(page, '.add-device', /of \d+ templates/);
-  await press('Tab', 'Tab', 'Tab');
+  await press('Tab', 'Tab', 'Tab', 'Tab');
   await page.keyboard.type('gavazzi em24');
   await press('Tab', 'Enter');
   await until(async () => await page.getByLabel('Name', { exact: true }).inputValue() !== '', 'a template is chosen');
@@ -260,6 +265,21 @@ test('a dropped list shows what moved and what was refused, and becomes a device
   await button(page, 'Add to the draft').click();
   await until(async () => (await text(page)).includes('      - name: tank-3\n        address: 3\n        channels:\n          - { name: flow, at: "holding:0", type: int16 }\n'), 'the device');
   assert.equal(await page.inputValue('#key-buses-0-devices-2-name'), 'tank-3');
+});
+
+test('a scan shows its progress, and a found address becomes a device', { skip }, async () => {
+  const page = await open();
+  await button(page, 'Add a device').click();
+  await page.keyboard.press('ArrowDown');  // the bus press-shop
+  await button(page, 'Scan').click();
+  await page.getByLabel('Addresses').fill('1-20');
+  await button(page, 'Scan the bus').click();
+  await page.locator('.picks button', { hasText: /20\s*holding:0 = 17\s*12 ms/ }).click();
+  assert.equal(await page.getByLabel('Address', { exact: true }).inputValue(), '20');
+  await page.getByLabel('Maker or model').fill('gavazzi em24');
+  await page.locator('.picks button', { hasText: /carlo-gavazzi-em24(?!-)/ }).click();
+  await button(page, 'Add to the draft').click();
+  await until(async () => (await text(page)).includes('{ name: carlo-gavazzi-em24, address: 20, template: carlo-gavazzi-em24 }'), 'the device');
 });
 
 test('versions tell who and why, show their changes, are downloaded and returned to', { skip }, async () => {

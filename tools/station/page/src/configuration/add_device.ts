@@ -1,13 +1,13 @@
-// The panel that adds a device to the draft: bus, then a template or a file.
+// The panel that adds a device: bus, then a template, a file or a scan; first values; into the draft.
 
 import { nothing } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { bytes } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
-import { errorText } from '../view';
+import { badge, errorText } from '../view';
 import * as api from './api';
-import type { Imported, Template } from './api';
+import type { FirstValue, Found, Imported, Template } from './api';
 import { deviceText, importedDevices, matching, speaks } from './new_device';
 import type { ImportedDevice } from './new_device';
 import { freeAddress, freeName, namesAt } from './outline';
@@ -15,14 +15,16 @@ import { valueAt } from './yaml_tree';
 import type { Node, Path } from './yaml_tree';
 
 export interface Host {
+  bridge: string;
   tree(): Node | undefined;
   draw(): void;
   add(path: Path, items: readonly ImportedDevice[]): void;  // into the list of devices at a path
+  textWith(path: Path, items: readonly ImportedDevice[]): string;  // the draft with them
   cancel(): void;
 }
 
-type Source = 'template' | 'file';
-const sources: readonly Source[] = ['template', 'file'];
+type Source = 'template' | 'file' | 'scan';
+const sources: readonly Source[] = ['template', 'file', 'scan'];
 const mostTemplates = 30, mostRows = 200;
 const largestFile = 3_000_000;
 
@@ -35,7 +37,12 @@ export class AddDevice {
   private address = '';
   private imported: Imported | undefined;
   private fileName = '';
+  private found: readonly Found[] | undefined;
+  private range = '1-32';  // addresses of the scan
+  private picked = '';  // address of the device that was chosen of `found`
+  private values: readonly FirstValue[] | undefined;
   private running = '';  // text of the request in flight
+  private scanning = false;
   private fault = '';
 
   constructor(private readonly host: Host, private bus: number) {
@@ -43,6 +50,7 @@ export class AddDevice {
   }
 
   private get busPath(): Path { return ['buses', this.bus]; }
+  private get busName(): string { return namesAt(this.host.tree(), ['buses'])?.[this.bus] ?? ''; }
   private get protocol(): string { return valueAt(this.host.tree(), [...this.busPath, 'protocol']) ?? ''; }
 
   // Runs one request at a time; shows its fault.
@@ -56,13 +64,15 @@ export class AddDevice {
       this.fault = errorText(error);
     }
     this.running = '';
+    this.scanning = false;
     this.host.draw();
   }
 
   private propose(name: string): void {
     const tree = this.host.tree();
     this.name = freeName(name, namesAt(tree, [...this.busPath, 'devices']) ?? []);
-    this.address = freeAddress(tree, this.busPath);
+    this.address = this.picked || freeAddress(tree, this.busPath);
+    this.values = undefined;
   }
 
   private chooseTemplate(template: string): void {
@@ -81,6 +91,13 @@ export class AddDevice {
     const items = this.items();
     if (items.length) this.host.add([...this.busPath, 'devices'], items);
   };
+
+  private probe(): void {
+    const [item] = this.items();
+    if (item) void this.run(t('configuration.probing'), async () => {
+      this.values = await api.probe(this.host.bridge, this.busName, item.name, this.host.textWith([...this.busPath, 'devices'], [item]));
+    });
+  }
 
   private async readFile(file: File | undefined): Promise<void> {
     if (!file) return;
@@ -102,6 +119,9 @@ export class AddDevice {
     const buses = namesAt(this.host.tree(), ['buses']) ?? [];
     const choose = (event: Event): void => {
       this.bus = Number((event.target as HTMLSelectElement).value);
+      this.found = this.values = undefined;
+      this.scanning = false;
+      this.picked = '';
       if (this.template) this.propose(this.template);
       this.host.draw();
     };
@@ -113,14 +133,20 @@ export class AddDevice {
       <div class="choice-row" role="group" aria-label=${t('configuration.source')}>${sources.map((source) => html`
         <button type="button" class="choice" aria-pressed=${source === this.source} @click=${() => {
           this.source = source;
+          this.scanning = false;
           this.fault = '';
           this.host.draw();
         }}>${t(`configuration.by-${source}`)}</button>`)}</div>
-      ${this.source === 'template' ? this.templateList() : this.filePart()}
+      ${this.source === 'template' ? this.templateList() : this.source === 'file' ? this.filePart() : this.scanPart()}
       <p role="status" class="muted">${this.running}</p>
       ${this.fault ? html`<p role="alert" class="bad">▲ ${this.fault}</p>` : nothing}
       ${this.source !== 'file' ? this.identity() : nothing}
-      <div class="buttons"><button type="button" class="plain" @click=${() => this.host.cancel()}>${t('cancel')}</button>
+      ${this.values ? this.firstValues(this.values) : nothing}
+      <div class="buttons"><button type="button" class="plain" @click=${() => {
+          this.scanning = false;
+          this.host.cancel();
+        }}>${t('cancel')}</button>
+        <button type="button" ?disabled=${items.length !== 1 || !!this.running} @click=${() => this.probe()}>${t('configuration.probe')}</button>
         <button type="submit" class="primary" ?disabled=${!items.length}>${t('configuration.add')}</button></div></form>`;
   }
 
@@ -160,12 +186,56 @@ export class AddDevice {
         ${imported.moved.length ? table(t('configuration.moved'), [t('configuration.from'), t('configuration.to'), t('configuration.change')], imported.moved.map(({ from, to, change }) => [from, to, change])) : nothing}` : nothing}`;
   }
 
+  // Part by part, until the last address, a fault, or the end of `scanning`.
+  private scan(): void {
+    const [first = 0, last = first] = this.range.split('-').map(Number);
+    this.found = [];
+    this.scanning = true;
+    void this.run('', async () => {
+      for (let next: number | null = first; next !== null && this.scanning;) {
+        this.running = t('configuration.scanning', { next, last });
+        this.host.draw();
+        const part = await api.scan(this.host.bridge, this.busName, this.protocol, next, last);
+        this.found = [...this.found ?? [], ...part.found];
+        if (part.error) throw new Error(part.error);
+        next = part.next;
+      }
+    });
+  }
+
+  private scanPart(): TemplateResult {
+    const pick = ({ address }: Found): void => {
+      this.source = 'template';
+      this.picked = address;
+      this.propose(this.template || `address-${address}`);
+      this.host.draw();
+    };
+    return html`<div class="pair"><label>${t('configuration.scan-range')} <input .value=${this.range} @change=${(event: Event) => { this.range = (event.target as HTMLInputElement).value; }}></label>
+      <button type="button" ?disabled=${!!this.running && !this.scanning} @click=${() => { if (this.scanning) this.scanning = false; else this.scan(); }}>${
+        t(this.scanning ? 'configuration.scan-stop' : 'configuration.scan')}</button></div>
+      ${this.found ? html`<ul class="picks" data-scroll aria-label=${t('configuration.scan-found')}>${this.found.map((each) => html`<li>
+        <button type="button" @click=${() => pick(each)}><b>${each.address}</b> ${each.response} <span class="muted">${Math.round(each.took_ms)} ms</span></button></li>`)}</ul>
+        ${this.found.length || this.scanning ? nothing : html`<p>${t('configuration.scan-none')}</p>`}` : nothing}`;
+  }
+
   private identity(): TemplateResult {
     const type = (take: (value: string) => void) => (event: Event): void => {
       take((event.target as HTMLInputElement).value.trim());
+      this.values = undefined;
       this.host.draw();
     };
     return html`<div class="pair"><label>${t('configuration.name')} <input required maxlength="64" pattern="[\\w.\\-]{1,64}" .value=${this.name} @input=${type((value) => { this.name = value; })}></label>
       <label>${t('configuration.address')} <input required maxlength="64" .value=${this.address} @input=${type((value) => { this.address = value; })}></label></div>`;
+  }
+
+  private firstValues(values: readonly FirstValue[]): TemplateResult {
+    return html`<h3>${t('configuration.first-values')}</h3>
+      <div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('configuration.first-values')}><table class="plain">
+        <thead><tr><th scope="col">${t('configuration.channel')}</th><th scope="col" class="number">${t('configuration.value')}</th><th scope="col">${t('configuration.state')}</th></tr></thead>
+        <tbody>${values.map(({ channel, value, unit, quality, error }) => {
+          const good = quality.toLowerCase() === 'good';
+          return html`<tr><td>${channel}</td><td class="number">${value === null ? '–' : `${String(value)} ${unit}`}</td>
+            <td>${badge(good ? 'good' : 'bad', error || (good ? t('quality.good') : quality))}</td></tr>`;
+        })}</tbody></table></div>`;
   }
 }

@@ -70,6 +70,20 @@ export interface Imported {
   notes: string[];
 }
 
+export interface Found {
+  address: string;
+  response: string;
+  took_ms: number;
+}
+
+export interface FirstValue {
+  channel: string;
+  value: unknown;
+  unit: string;
+  quality: string;
+  error: string;
+}
+
 const root = '/api/configuration';
 
 export const read = (bridge: string): Promise<Configuration> => request(query(root, { bridge }));
@@ -85,3 +99,7 @@ export const versions = (bridge: string): Promise<Version[]> => request(query(`$
 export const versionText = async (bridge: string, version: string): Promise<string> =>
   (await request<{ text: string }>(query(`${root}/version`, { bridge, version }))).text;
 export const importFile = (name: string, content_base64: string): Promise<Imported> => request(`${root}/import`, { name, content_base64 });
+export const scan = (bridge: string, bus: string, protocol: string, first: number, last: number): Promise<{ found: Found[]; next: number | null; error: string }> =>
+  request(`${root}/scan`, { bridge, bus, protocol, first: String(first), last: String(last) });
+export const probe = async (bridge: string, bus: string, device: string, text: string): Promise<FirstValue[]> =>
+  (await request<{ values: FirstValue[] }>(`${root}/probe`, { bridge, bus, device, text })).values;

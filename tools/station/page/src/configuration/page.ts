@@ -45,6 +45,9 @@ addEventListener('beforeunload', (event) => {
   if ([...drafts.values()].some(({ changed }) => changed)) event.preventDefault();
 });
 
+const withItems = (text: string, path: Path, items: readonly ImportedDevice[]): string =>
+  items.reduce((sum, { text: item }) => addItem(sum, path, item), text);
+
 export class ConfigurationPage implements Page {
   private readonly bridge: string;
   private readonly editor: Editor;
@@ -235,7 +238,7 @@ export class ConfigurationPage implements Page {
     const list = nodeAt(this.tree, path), taken = namesAt(this.tree, path) ?? [];
     if (list?.flow && list.children.length && items.some(({ text }) => text.includes('\n'))) return this.context.say(t('configuration.braces'), true);
     this.adding = undefined;
-    this.edit((text) => items.reduce((sum, { text: item }) => addItem(sum, path, item), text));
+    this.edit((text) => withItems(text, path, items));
     this.choose([...path, taken.length]);
     this.focus('.side');
     this.context.say(t('configuration.added', { name: items.map(({ name }) => name).join(', ') }));
@@ -328,7 +331,8 @@ export class ConfigurationPage implements Page {
   private startAdding(): void {
     const bus = this.chosen[0] === 'buses' ? Number(this.chosen[1]) : 0;
     this.adding = new AddDevice({
-      tree: () => this.tree, draw: () => this.draw(), add: (path, items) => this.add(path, items),
+      bridge: this.bridge, tree: () => this.tree, draw: () => this.draw(), add: (path, items) => this.add(path, items),
+      textWith: (path, items) => withItems(this.draft?.text ?? '', path, items),
       cancel: () => {
         this.adding = undefined;
         this.draw();
