@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Measures a fieldcast-station that reads many sites from a stream: the time until it shows all channels, processor, memory, and age of values.
 
-usage: tools/bench/centre_bench.py BIN_DIR [--sites 1000] [--devices 4] [--channels 50] [--seconds 30] [--record]
+usage: tools/bench/centre_bench.py BIN_DIR [--sites 1000] [--devices 4] [--channels 50] [--seconds 30] [--record] [--round-trip MS]
 
 bench_sites publishes the messages of all forwarders: each device sends a message with a new value of each of its --channels once a second. The
 server is nats-server with file storage on 127.0.0.1. The station starts when samples of all devices are in the stream. The age of a value is the
 time from its acquisition to a response of the station, of one channel of a site, read every 50 ms: at least until the next message of the
 device arrives it grows, so the smallest age of a second is the delay. --record: the station keeps all samples.
+--round-trip: of the line between server and station, in milliseconds.
 """
 
 import argparse
@@ -19,6 +20,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "tools"))
 import e2e_station  # noqa: E402
+from delayed_line import DelayedLine  # noqa: E402
 from e2e_station import Browser, Station  # noqa: E402
 from forward_sites import memory_of  # noqa: E402
 from nats import NatsServer  # noqa: E402
@@ -60,10 +62,10 @@ def delays(browser, seconds):
     return sorted(found)
 
 
-def measure(options, folder, server, sites):
+def measure(options, folder, server, sites, port):
     more = f"store: {{ path: {folder.run}/centre.db }}\nrecord: {{}}\n" if options.record else ""
     total = options.sites * options.devices * options.channels
-    text = f"stream: {{ servers: [nats://127.0.0.1:{server.port}] }}\nweb: {{ local-role: viewer }}\n{more}"
+    text = f"stream: {{ servers: [nats://127.0.0.1:{port}] }}\nweb: {{ local-role: viewer }}\n{more}"
     begin = time.monotonic()
     with Station(folder, "centre", text, "--listen", "127.0.0.1:0") as station:
         browser = Browser(station)
@@ -90,6 +92,7 @@ def main():
     for name, default in [("sites", 1000), ("devices", 4), ("channels", 50), ("seconds", 30)]:
         parser.add_argument("--" + name, type=int, default=default)
     parser.add_argument("--record", action="store_true")
+    parser.add_argument("--round-trip", type=float, default=0)
     options = parser.parse_args()
     e2e_station.BIN_DIR = options.bin
     with tempfile.TemporaryDirectory(prefix="fieldcast-centre-") as run:
@@ -102,7 +105,8 @@ def main():
             if sites.stdout.readline() != "catalogues\n":
                 raise Failure("bench_sites ended")
             time.sleep(3)
-            measure(options, folder, server, sites)
+            line = DelayedLine(server.port, options.round_trip / 1000) if options.round_trip else None
+            measure(options, folder, server, sites, line.port if line else server.port)
         finally:
             sites.kill()
             sites.wait()

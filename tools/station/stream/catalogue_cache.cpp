@@ -26,13 +26,25 @@ SharedCatalogue CatalogueCache::find(const std::string& site, const std::string&
     missing_[key] = now + kMissing;
     return nullptr;
   }
-  missing_.erase(key);
   if (channels_ >= kMaxChannels) {
     known_.clear();
     channels_ = 0;
   }
-  channels_ += decoded->channels.size();
-  return known_[key] = std::make_shared<const forward::DeviceCatalogue>(*std::move(decoded));
+  return keep(key, *std::move(decoded));
+}
+
+SharedCatalogue CatalogueCache::keep(const std::string& key, forward::DeviceCatalogue catalogue) {
+  missing_.erase(key);
+  channels_ += catalogue.channels.size();
+  return known_[key] = std::make_shared<const forward::DeviceCatalogue>(std::move(catalogue));
+}
+
+bool CatalogueCache::add(const std::string& key, const std::string& content) {
+  auto decoded = decode_catalogue(forward::name_of_token(key.substr(0, key.find('.'))), content);
+  const std::lock_guard lock(mutex_);
+  if (channels_ >= kMaxChannels) return false;
+  if (decoded && !known_.contains(key)) (void)keep(key, *std::move(decoded));
+  return true;
 }
 
 }  // namespace fieldcast::web

@@ -33,8 +33,14 @@ class CatalogueCache {
   [[nodiscard]] SharedCatalogue find(const std::string& site, const std::string& bus,
                                      const std::string& device, std::uint64_t identity, Instant now,
                                      const Read& read);
+  // Keeps an entry that was read with others. Ignores one that cannot be decoded. Returns false if
+  // there is no space for further ones.
+  bool add(const std::string& key, const std::string& content);
 
  private:
+  // REQUIRES: mutex_ is held.
+  SharedCatalogue keep(const std::string& key, forward::DeviceCatalogue catalogue);
+
   std::mutex mutex_;                                        // not held while an entry is read
   std::unordered_map<std::string, SharedCatalogue> known_;  // by key
   std::unordered_map<std::string, Instant> missing_;        // until when, by key

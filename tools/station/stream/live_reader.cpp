@@ -25,6 +25,11 @@ void run_live(StreamShared& shared, DomainInbox& inbox, bool counts) {
     }
     if (subscription == nullptr || generation != session.generation()) {
       subscription.reset();
+      // Otherwise the last message of each device would wait for its own request.
+      if (generation == 0)
+        session.each_entry(shared.spec.bucket, [&shared](const auto& key, const auto& value) {
+          return shared.catalogues.add(key, value) && !shared.is_ending();
+        });
       auto made = subscribe_in_order(session, shared.spec.sample_stream, "fieldcast.>",
                                      StartWith::kLastOfEachSubject);
       shared.set_fault(StreamPart::kLive, made ? "" : made.error());

@@ -29,6 +29,11 @@ std::string reason_of(natsConnection* connection) {
   return status == NATS_OK ? "the server does not respond" : natsStatus_GetText(status);
 }
 
+std::string value_of(kvEntry* entry) {
+  return {static_cast<const char*>(kvEntry_Value(entry)),
+          static_cast<std::size_t>(kvEntry_ValueLen(entry))};
+}
+
 }  // namespace
 
 NatsSession::NatsSession(const forward::JetStreamSpec& spec, std::string name, bool logs)
@@ -124,8 +129,26 @@ tl::expected<std::string, EntryFault> NatsSession::entry(const std::string& name
     return tl::make_unexpected(status == NATS_NOT_FOUND ? EntryFault::kMissing
                                                         : EntryFault::kUnavailable);
   const forward::NatsEntry entry(made);
-  return std::string(static_cast<const char*>(kvEntry_Value(made)),
-                     static_cast<std::size_t>(kvEntry_ValueLen(made)));
+  return value_of(made);
+}
+
+void NatsSession::each_entry(
+    const std::string& name,
+    const std::function<bool(const std::string& key, const std::string& value)>& on_entry) {
+  constexpr std::int64_t kNextMs = 2'000;
+  kvStore* const store = bucket(name);
+  kvWatchOptions options;
+  kvWatchOptions_Init(&options);
+  options.IgnoreDeletes = true;
+  kvWatcher* made = nullptr;
+  if (store == nullptr || kvStore_WatchAll(&made, store, &options) != NATS_OK) return;
+  const forward::NatsWatcher watcher(made);
+  while (true) {
+    kvEntry* next = nullptr;
+    if (kvWatcher_Next(&next, made, kNextMs) != NATS_OK || next == nullptr) return;
+    const forward::NatsEntry entry(next);
+    if (!on_entry(kvEntry_Key(next), value_of(next))) return;
+  }
 }
 
 }  // namespace fieldcast::web

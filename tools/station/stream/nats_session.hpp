@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -35,6 +36,11 @@ class NatsSession {
   // The value of a key. kUnavailable if the server does not respond within 5 s.
   [[nodiscard]] tl::expected<std::string, EntryFault> entry(const std::string& bucket,
                                                             const std::string& key);
+  // Passes all present entries of a bucket until `on_entry` returns false: one request for all of
+  // them. May block for seconds.
+  void each_entry(
+      const std::string& bucket,
+      const std::function<bool(const std::string& key, const std::string& value)>& on_entry);
   // Null if the bucket cannot be read. Valid until the generation changes.
   [[nodiscard]] kvStore* bucket(const std::string& name);
   // Acknowledges messages by their reply subjects, and waits until the server has received this, at

@@ -50,6 +50,27 @@ TEST_F(CatalogueCacheTest, OneThatCouldNotBeReadIsRequestedAgainImmediately) {
   EXPECT_NE(find({}), nullptr);
 }
 
+TEST_F(CatalogueCacheTest, OneThatWasReadWithOthersIsNotReadAgain) {
+  EXPECT_TRUE(cache_.add("north.line.press=2E1.9f", *entry_));
+  EXPECT_TRUE(cache_.add("north.line.mill.9f", "poison"));
+  const SharedCatalogue found = find({});
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->channels.at(0).path(), "north:line/press/a");
+  EXPECT_EQ(reads_, 0);
+  EXPECT_TRUE(cache_.add("north.line.press=2E1.9f", *entry_));
+  EXPECT_EQ(find({}), found) << "the known one stays";
+}
+
+TEST_F(CatalogueCacheTest, ThereIsALimitForThoseThatAreReadWithOthers) {
+  const std::string large =
+      forward::encode("north", test::catalogue_of("line", std::vector<std::string>(10'000, "a")));
+  for (std::size_t i = 0; i < CatalogueCache::kMaxChannels / 10'000; ++i)
+    EXPECT_TRUE(cache_.add("north.line.press.a" + std::to_string(i), large));
+  EXPECT_FALSE(cache_.add("north.line.press=2E1.9f", *entry_));
+  EXPECT_NE(find({}), nullptr);
+  EXPECT_EQ(reads_, 1);
+}
+
 TEST_F(CatalogueCacheTest, AnEntryThatCannotBeDecodedIsMissing) {
   entry_ = "poison";
   EXPECT_EQ(find({}), nullptr);
