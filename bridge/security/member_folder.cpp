@@ -47,7 +47,7 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/Alarm", kBridges, kAllStations},
     {"fieldcast/AlarmStatus", kBridges, kEverybody},
     {"fieldcast/Bridge", kBridges, kEverybody},
-    {"fieldcast/Interest", {kStation, kPlant, kEngineer}, kEverybody},
+    {"fieldcast/Interest", {kStation, kPlant, kEngineer}, {kBridge, kStation, kPlant, kEngineer}},
     {"fieldcast/Command", kCommanders, kBridges, true},
     {"fieldcast/AlarmAction", kCommanders, kBridges, true},
     {"fieldcast/CommandResult", kBridges, {kBridge, kPlant, kEngineer}},
