@@ -41,8 +41,6 @@ TEST(TopicRights, OnlyAPlantAndAnEngineerCommand) {
   const TopicRight* interests = right_of("fieldcast/Interest");
   EXPECT_TRUE(interests->writers.has(kStation));
   EXPECT_FALSE(interests->writers.has(kStationReadonly));
-  EXPECT_TRUE(interests->readers.has(kStation));  // a station shows who asks for a channel
-  EXPECT_FALSE(interests->readers.has(kStationReadonly));
 }
 
 TEST(TopicRights, OnlyAnEngineerSeesAndChangesConfigurations) {
