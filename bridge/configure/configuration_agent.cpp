@@ -107,8 +107,10 @@ ConfigurationAgent::Response ConfigurationAgent::run(std::string_view request,
   try {
     return (this->*row->operation)(parsed, caller);
   } catch (const security::SecurityError& error) {
-    return refused(500, printable(error.what()),
-                   "the user of the bridge needs the right to write in the folder of the file");
+    return refused(
+        500, printable(error.what()),
+        "the user of the bridge needs the right to write in the folder of the file; for the "
+        "packaged service see docs/station.md, 'What the bridge allows'");
   }
 }
 

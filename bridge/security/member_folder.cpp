@@ -47,7 +47,8 @@ constexpr TopicRight kRights[] = {
     {"fieldcast/Alarm", kBridges, kAllStations},
     {"fieldcast/AlarmStatus", kBridges, kEverybody},
     {"fieldcast/Bridge", kBridges, kEverybody},
-    {"fieldcast/Interest", {kStation, kPlant, kEngineer}, kEverybody},
+    // Not read by stations: none may receive what another station writes.
+    {"fieldcast/Interest", {kStation, kPlant, kEngineer}, kBridges},
     {"fieldcast/Command", kCommanders, kBridges, true},
     {"fieldcast/AlarmAction", kCommanders, kBridges, true},
     {"fieldcast/CommandResult", kBridges, {kBridge, kPlant, kEngineer}},

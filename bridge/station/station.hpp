@@ -111,8 +111,8 @@ class Station {
   // Reports the whole plan whenever a new plan is in force.
   void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                             const std::function<void(const std::string& bus)>& gone = {});
-  // Interests of all stations in the domain. Reports nothing if the identity has no right to read
-  // them.
+  // Interests of all stations in the domain. Reports nothing with DDS Security, where no station
+  // has the right to read them.
   void subscribe_interests(std::function<void(const Interest&)> on_interest,
                            std::function<void(const Interest& last)> gone);
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,

@@ -254,6 +254,57 @@ class MonitoringStation(unittest.TestCase):
         self.assertLess(float(re.search(r"Overall exposure level for \S+: ([\d.]+)", said).group(1)), EXPOSURE, said)
 
 
+class Deployment(unittest.TestCase):
+    """The command of docs/station.md: the file of the bridge moves to where its service may write."""
+
+    FILE = "/etc/fieldcast/demo.yaml"
+    MOVED = "/var/lib/fieldcast/deploy/demo.yaml"
+
+    def ask(self, method, path, body=None):
+        script = ("import json, sys, urllib.request as r, urllib.error\n"
+                  "base = 'http://127.0.0.1:8090'\n"
+                  "q = r.Request(base + sys.argv[2], sys.argv[3].encode() or None, {'Content-Type': 'application/json', 'Origin': base}, method=sys.argv[1])\n"
+                  "try: print(200, r.urlopen(q, timeout=20).read().decode())\n"
+                  "except urllib.error.HTTPError as error: print(error.code, error.read().decode())\n")
+        done = root.run("python3", "-c", script, method, path, json.dumps(body) if body else "", check=False)
+        status, _, text = done.stdout.partition(" ")
+        return (int(status), json.loads(text)) if done.returncode == 0 else (0, done.stderr)
+
+    def deploy(self, text):
+        status, present = self.ask("GET", "/api/configuration?bridge=demo")
+        self.assertEqual(status, 200, present)
+        return self.ask("POST", "/api/configuration/deploy", {"bridge": "demo", "base": present["version"], "text": text, "why": "a test"})
+
+    def test_an_engineer_deploys_only_to_a_file_that_was_moved(self):
+        text = read(root.path(self.FILE))
+        allowed = text + "configure: { allow: true }\n"
+        root.write(self.FILE, allowed)
+        root.write("/etc/fieldcast/station.yaml", "station: hall\nweb: { local-role: engineer }\n")
+        root.run("systemctl", "restart", UNIT, "fieldcast-station")
+        # the last one runs first; a link must not be followed out of the root
+        self.addCleanup(root.run, "systemctl", "restart", UNIT)
+        self.addCleanup(root.write, self.FILE, text)
+        self.addCleanup(root.run, "rm", "-rf", self.FILE, os.path.dirname(self.MOVED), "/etc/fieldcast/station.yaml")
+        self.addCleanup(root.run, "systemctl", "stop", "fieldcast-station")
+        wait_until(lambda: self.ask("GET", "/api/configuration?bridge=demo")[0] == 200, SECONDS, state)
+        wanted = allowed.replace("- { name: jam,", "- { name: jam-of-the-day,")
+        status, refusal = self.deploy(wanted)
+        self.assertEqual((status, read(root.path(self.FILE))), (500, allowed), refusal)
+        self.assertIn("docs/station.md", refusal["hint"])
+
+        root.run("install", "-d", "-o", "fieldcast", "-g", "fieldcast", "-m", "0750", os.path.dirname(self.MOVED))
+        root.run("install", "-o", "fieldcast", "-g", "fieldcast", "-m", "0640", self.FILE, self.MOVED)
+        root.run("ln", "-sf", self.MOVED, self.FILE)
+        root.run("systemctl", "restart", UNIT)
+        wait_until(lambda: self.ask("GET", "/api/configuration?bridge=demo")[0] == 200, SECONDS, state)
+        status, deployed = self.deploy(wanted)
+        self.assertEqual(status, 200, deployed)
+        self.assertEqual(read(root.path(self.MOVED)), wanted)
+        self.assertEqual(root.run("stat", "-c", "%U %a", self.MOVED).stdout, "fieldcast 640\n")
+        self.assertEqual(root.run("readlink", self.FILE).stdout.strip(), self.MOVED)
+        wait_until(lambda: samples(f"{BUS}/conveyor/jam-of-the-day", "--once"), SECONDS, state)
+
+
 class Adapter(unittest.TestCase):
     """Tests the udev rules with udevadm on a simulated /sys with an adapter."""
 
