@@ -93,6 +93,73 @@ HttpResponse json_tables(const std::vector<ReportTable>& tables, bool compress) 
                        compress);
 }
 
+HttpResponse too_many_channels(std::size_t count) {
+  return error_response(400, fmt::format("channel: the patterns match {} channels", count),
+                        fmt::format("give patterns of at most {} channels", kMaxReported));
+}
+
+// Reads one channel in each query, so that other queries do not wait for the whole report.
+class ReportJob {
+ public:
+  ReportJob(Database& database, std::vector<ReportPeriod> periods, Format format, bool compress,
+            Reply reply)
+      : database_(database),
+        periods_(std::move(periods)),
+        format_(format),
+        compress_(compress),
+        reply_(std::move(reply)) {}
+
+  static void start(const std::shared_ptr<ReportJob>& job, std::vector<Pattern> patterns) {
+    using Channels = std::vector<ChannelPath>;
+    job->database_.query<Channels>(
+        [patterns = std::move(patterns)](SqlConnection& connection) {
+          return channels_of(connection, patterns);
+        },
+        [job](tl::expected<Channels, DatabaseFault> found) {
+          if (!found) return job->reply_(response_of(found.error()));
+          if (found->size() > kMaxReported) return job->reply_(too_many_channels(found->size()));
+          job->channels_ = *std::move(found);
+          next(job);
+        });
+  }
+
+ private:
+  using Made = std::optional<HttpResponse>;  // empty: channels are left
+
+  static void next(const std::shared_ptr<ReportJob>& job) {
+    job->database_.query_further<Made>(
+        [job](SqlConnection& connection) { return job->step(connection); },
+        [job](tl::expected<Made, DatabaseFault> made) {
+          if (!made) return job->reply_(response_of(made.error()));
+          if (!*made) return next(job);
+          job->reply_(**std::move(made));
+        });
+  }
+
+  // On the database thread.
+  [[nodiscard]] Made step(SqlConnection& connection) {
+    if (tables_.size() < channels_.size()) {
+      tables_.push_back(read_tables(connection, {channels_[tables_.size()]}, periods_).front());
+      if (tables_.size() < channels_.size()) return std::nullopt;
+    }
+    switch (format_) {
+      case Format::kCsv:
+        return file_response(report_csv(tables_), "text/csv; charset=utf-8", "csv");
+      case Format::kXlsx: return xlsx_response(tables_);
+      case Format::kJson: break;
+    }
+    return json_tables(tables_, compress_);
+  }
+
+  Database& database_;
+  const std::vector<ReportPeriod> periods_;
+  const Format format_;
+  const bool compress_;
+  const Reply reply_;
+  std::vector<ChannelPath> channels_;
+  std::vector<ReportTable> tables_;  // of the first channels
+};
+
 }  // namespace
 
 void show_report(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
@@ -116,24 +183,9 @@ void show_report(const Api& api, const HttpRequest& request, const Caller&, cons
       Duration{span->to.nanoseconds - span->from.nanoseconds} > kLongestSpan)
     return reply(error_response(400, "the time range is longer than 400 periods or 430 days",
                                 "choose a shorter time range or a longer period"));
-  api.database->respond(
-      [patterns = *std::move(patterns), periods = std::move(periods), format = *format,
-       compress = request.accepts_gzip](SqlConnection& connection) {
-        const auto channels = channels_of(connection, patterns);
-        if (channels.size() > kMaxReported)
-          return error_response(
-              400, fmt::format("channel: the patterns match {} channels", channels.size()),
-              fmt::format("give patterns of at most {} channels", kMaxReported));
-        const auto tables = read_tables(connection, channels, periods);
-        switch (format) {
-          case Format::kCsv:
-            return file_response(report_csv(tables), "text/csv; charset=utf-8", "csv");
-          case Format::kXlsx: return xlsx_response(tables);
-          case Format::kJson: break;
-        }
-        return json_tables(tables, compress);
-      },
-      reply);
+  ReportJob::start(std::make_shared<ReportJob>(*api.database, std::move(periods), *format,
+                                               request.accepts_gzip, reply),
+                   *std::move(patterns));
 }
 
 }  // namespace fieldcast::web

@@ -90,6 +90,26 @@ TEST_F(ReportApiTest, RefusesMoreChannelsThanTheLimit) {
   EXPECT_NE(response.body.find("65 channels"), std::string::npos) << response.body;
 }
 
+TEST_F(ReportApiTest, OtherQueriesDoNotWaitForTheWholeReport) {
+  store_hour();
+  const HttpRequest request =
+      test::request_of("/api/report?channel=line/meter/p&channel=no/such/c" + range_);
+  const auto route = table_.find(request.method, request.path, Role::kViewer);
+  ASSERT_TRUE(route);
+  bool reported = false, other = false;
+  (*route)->handler(request, Caller{"anna", Role::kViewer, "127.0.0.1"}, [&](HttpResponse given) {
+    EXPECT_EQ(given.status, 200u);
+    reported = true;
+  });
+  database()->query<int>([](SqlConnection&) { return 1; },
+                         [&](const tl::expected<int, DatabaseFault>&) {
+                           EXPECT_FALSE(reported);
+                           other = true;
+                         });
+  EXPECT_TRUE(io_.run_until([&] { return reported; }));
+  EXPECT_TRUE(other);
+}
+
 TEST_F(ReportApiTest, RefusesWhatIsTooMuchOrInvalid) {
   store_hour();
   for (const char* query : {"by=week", "shifts=6", "format=xml", "by=month&from=9000d",
