@@ -85,6 +85,8 @@ class BusRunner {
   // Returns false if too many commands wait. An accepted command ends in one BusSink::complete().
   [[nodiscard]] bool post(Command command);
   void post(std::vector<InterestChanged> interests);
+  // Inputs of calculated channels; `fetch` is called on the io thread.
+  void post_inputs(std::function<std::vector<InputSample>()> fetch);
   // Sample numbers continue above this number (see CountAbove).
   void count_above(std::uint64_t number);
   // Switches the wire trace on stdout.
