@@ -10,7 +10,7 @@ import unittest
 
 import e2e_station
 from e2e_station import Browser, Station
-from plant import Plant, modbus_line, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 SECONDS = 30
@@ -119,9 +119,21 @@ class Calculated(unittest.TestCase):
             wait_until(lambda: 6900 in (stored() or []), SECONDS, lambda: str(browser.get("/api/history?channel=line/meter/power&from=5min"))[:500])
 
     def test_the_plan_needs_no_wire_for_it(self):
-        result = self.plant.cli("plan")
+        result = run_cli(BIN_DIR, "plan", self.plant.file)
         self.assertEqual(result.code, 0, str(result))
         self.assertIn("4 channels are calculated by the bridge; they need no wire", result.out)
+
+    def test_z_a_reload_changes_an_expression_and_leaves_the_other_bus_alone(self):
+        self.write("line", 10, 3)
+        self.write("second", 5, 2)
+        self.wait_for("line/meter/total", value=40, quality="GOOD")
+        with open(self.plant.file, encoding="utf-8") as file:
+            text = file.read()
+        with open(self.plant.file, "w", encoding="utf-8") as file:
+            file.write(text.replace("power + {second", "power - {second"))
+        self.plant.bridge.send_signal(signal.SIGHUP)
+        self.wait_for("line/meter/total", value=20, quality="GOOD")
+        self.assertIn("1 bus stopped (line), 1 started (line), 1 untouched", self.plant.log("fieldcast-bridge"))
 
 
 if __name__ == "__main__":
