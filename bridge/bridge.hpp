@@ -18,6 +18,7 @@
 #include "bridge/base/io_thread.hpp"
 #include "bridge/buses/bus_set.hpp"
 #include "bridge/buses/reload_plan.hpp"
+#include "bridge/calculate/input_relay.hpp"
 #include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/history/history_service.hpp"
@@ -133,6 +134,7 @@ class Bridge {
   CommandAudit audit_;
   CommandRouter router_;
   AlarmTable alarms_;
+  InputRelay inputs_;
   InterestRegistry interests_;
   DialInRegistry modules_;
   program::Server program_;

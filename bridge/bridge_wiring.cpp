@@ -155,16 +155,17 @@ void Bridge::join() {
   published_audit_ = std::make_unique<AuditPublisher>(
       spec_.name, store, [this](const AuditReport& entry) { link_->report(entry); });
   audit_.open(published_audit_.get());
-  buses_ = std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store, audit_, commands_, alarms_,
-                                                  figures_, lease_, spec_.standby.has_value()},
-                                                 *guard_,
-                                                 router_,
-                                                 interests_,
-                                                 program_,
-                                                 modules_,
-                                                 plans_,
-                                                 step_},
-                                    spec_, trace_);
+  buses_ =
+      std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store, audit_, commands_, alarms_,
+                                             inputs_, figures_, lease_, spec_.standby.has_value()},
+                                            *guard_,
+                                            router_,
+                                            interests_,
+                                            program_,
+                                            modules_,
+                                            plans_,
+                                            step_},
+                               spec_, trace_);
   if (spec_.standby) {
     membership_ =
         std::make_unique<Membership>(Membership::Uses{*link_, *guard_, *buses_, commands_, alarms_,

@@ -91,6 +91,15 @@ void report_overlaps(const BridgeSpec& spec, Report warn) {
   }
 }
 
+// Reports calculated channels that combine different units.
+void report_calculations(const BridgeSpec& spec, Report warn) {
+  for (const BusSpec& bus : spec.buses)
+    for (const DeviceSpec& device : bus.devices)
+      for (const ChannelSpec& channel : device.channels)
+        if (channel.calculation && !channel.calculation.value->remark.empty())
+          warn(bus.name, channel.calculation.value->remark);
+}
+
 // Reports the fence of each bus that may have a second master; in a standby group, of every bus.
 void report_fences(const BridgeSpec& spec, Report say, Report warn) {
   for (const BusSpec& bus : spec.buses) {
@@ -326,6 +335,7 @@ ExitCode check_configuration(const std::string& path) {
   });
   report_overloads(*loaded, print_warning);
   report_overlaps(*loaded, print_warning);
+  report_calculations(*loaded, print_warning);
   report_fences(*loaded, print, print_warning);
   if (const auto small = rate_remark(*loaded)) print_warning("dds", *small);
   if (loaded->dds.without_security) print_warning("dds", kOpen);

@@ -12,7 +12,7 @@ endif()
 # The libraries of others, by their names in `Libraries:` (tests/tools/boundaries.py has their headers).
 set(FIELDCAST_LIBRARIES
   "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=${FIELDCAST_FAST_DDS}" "fmt=fmt::fmt" "forward-schema=fieldcast_forward_schema" "idl=fieldcast_idl" "libcurl=PkgConfig::CURL" "libmosquitto=PkgConfig::MOSQUITTO" "libpq=PkgConfig::PQ" "librdkafka=PkgConfig::RDKAFKA" "libsodium=PkgConfig::SODIUM"
-  "libxlsxwriter=PkgConfig::XLSXWRITER" "libzip=PkgConfig::libzip" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
+  "libxlsxwriter=PkgConfig::XLSXWRITER" "libzip=PkgConfig::libzip" "muParser=PkgConfig::MUPARSER" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
   "snappy=PkgConfig::SNAPPY" "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB" "zstd=PkgConfig::ZSTD")
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -35,6 +35,7 @@ find_package(ZLIB REQUIRED)
 pkg_check_modules(CURL REQUIRED IMPORTED_TARGET libcurl)
 pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(MOSQUITTO REQUIRED IMPORTED_TARGET libmosquitto)
+pkg_check_modules(MUPARSER REQUIRED IMPORTED_TARGET muparser)
 pkg_check_modules(NATS REQUIRED IMPORTED_TARGET libnats)
 pkg_check_modules(PQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(RDKAFKA REQUIRED IMPORTED_TARGET rdkafka)

@@ -433,6 +433,11 @@ void BusRunner::post(std::vector<InterestChanged> interests) {
   });
 }
 
+void BusRunner::post_inputs(std::function<std::vector<InputSample>()> fetch) {
+  loop_->gate().post(
+      [loop = loop_, fetch = std::move(fetch)] { loop->event(InputsArrived{fetch()}); });
+}
+
 void BusRunner::count_above(std::uint64_t number) {
   loop_->gate().post([loop = loop_, number] { loop->event(CountAbove{number}); });
 }

@@ -90,6 +90,8 @@ class BusRunner {
   // post; without devices if another probe runs. Returns false if the bus has stopped.
   using Probed = std::function<void(const std::vector<ProbedDevice>&, const UtcMapping&)>;
   [[nodiscard]] bool probe(DeviceProbe probe, Probed done);
+  // Inputs of calculated channels; `fetch` is called on the io thread.
+  void post_inputs(std::function<std::vector<InputSample>()> fetch);
   // Sample numbers continue above this number (see CountAbove).
   void count_above(std::uint64_t number);
   // Switches the wire trace on stdout.

@@ -167,6 +167,10 @@ bool BusSet::start(const BusSpec& bus, const FollowedBus* followed, std::uint64_
   if (followed != nullptr && margin != 0) made.sink->prove_until(now + kProve, now);
   made.runner->start(std::move(inherited));
   uses_.interests.add(bus, made.runner);
+  uses_.output.inputs.add(
+      bus, wanted_,
+      {[runner = made.runner](InputRelay::Fetch fetch) { runner->post_inputs(std::move(fetch)); },
+       [runner = made.runner] { runner->count_above(0); }});
   uses_.program.add_bus(bus, made.runner);
   start_gateway(bus, made);
   running_.emplace(bus.name, std::move(made));
@@ -212,6 +216,7 @@ void BusSet::stop_runners(const std::vector<std::string>& names) {
     running_.at(name).gateway.reset();  // its clients are disconnected
     uses_.program.remove_bus(name);     // no more requests for its devices; a pairing ends
     uses_.interests.remove(name);
+    uses_.output.inputs.remove(name);
     uses_.commands.remove(name);  // 1. no more commands; later ones get kShutdown
     // 2. Pending commands get a response, the port is closed.
     stopped.push_back(running_.at(name).runner->stop());

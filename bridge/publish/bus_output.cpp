@@ -30,6 +30,7 @@ void StoreRecorder::put(std::string_view device, DeviceState state, UtcTime at) 
 BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
     : thread_(shared.thread),
       link_(shared.link),
+      inputs_(shared.inputs),
       figures_(shared.figures),
       audit_(shared.audit),
       commands_(shared.commands),
@@ -58,6 +59,7 @@ void BusOutput::publish(std::vector<Sample> samples, const UtcMapping& mapping) 
   const bool wanted = link_.publish_block(bus_, samples, mapping);  // by readers of Sample
   const bool later = wanted && (samples.size() > most_now_ || waiting_ != 0);
   if (wanted && !later) link_.publish_each(bus_, samples, mapping);
+  inputs_.publish(bus_, samples);
   const Instant now = steady_now();
   if (store_) store_->put(samples, mapping, now);
   report(alarms_.on_samples(samples, mapping, now), mapping);

@@ -12,6 +12,7 @@
 
 #include "bridge/alarm/alarm_table.hpp"
 #include "bridge/bus/bus_runner.hpp"
+#include "bridge/calculate/input_relay.hpp"
 #include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
@@ -61,6 +62,7 @@ class BusOutput final : public BusSink {
     CommandAudit& audit;
     CommandService& commands;
     AlarmTable& alarms;
+    InputRelay& inputs;
     MetricsTable& figures;
     MasterLease& lease;
     bool in_group = false;
@@ -86,6 +88,7 @@ class BusOutput final : public BusSink {
 
   PublisherThread& thread_;
   DdsLink& link_;
+  InputRelay& inputs_;
   MetricsTable& figures_;
   SampleHold hold_;
   CommandAudit& audit_;

@@ -6,6 +6,7 @@
 #include "config/channel/channel_keys.hpp"
 #include "config/channel/channel_limits.hpp"
 #include "config/document/common_forms.hpp"
+#include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "core/model/fit.hpp"
 
@@ -290,10 +291,46 @@ void check_unsolicited(MapReader& map, const Draft& draft) {
                         fieldcast::to_text(3 * draft.area->unsolicited)));
 }
 
+// The loader completes it when all channels are known: inputs, formula and refresh.
+ChannelSpec read_calculated(MapReader& map, const ChannelContext& context) {
+  static constexpr std::string_view kOfRead[] = {
+      "at",         "refresh", "mode",   "access",     "acquire",       "priority",
+      "elasticity", "scale",   "offset", "word-order", "byte-order",    "encoding",
+      "bit",        "byte",    "text",   kExponentKey, "not-available", "write"};
+  static constexpr std::pair<std::string_view, ValueType> kTypes[] = {
+      {"float64", ValueType::kFloat64}, {"bool", ValueType::kBool}};
+  ChannelDefaults values{context.defaults};
+  channel_rows().read(map, values);
+  ChannelSpec& spec = values.spec;
+  for (const std::string_view key : kOfRead) {
+    if (map.find(key) != nullptr)
+      map.fault(key, fmt::format("'{}' at a calculated channel", key),
+                "name, calculate, type, unit, description, deadband, heartbeat, limits");
+  }
+  spec.encoding = {.type = ValueType::kFloat64};
+  map.read("type", spec.encoding.type, ChoiceRule<ValueType>{kTypes});
+  spec.mode = Mode::kScheduled;
+  spec.access = Access::kReadOnly;
+  spec.on_interest = false;
+  read_limits(map, spec);
+  check_deadband(map, spec);
+  if (!spec.deadband) spec.heartbeat.reset();
+  const bool is_bool = spec.encoding.type == ValueType::kBool;
+  if (is_bool && map.has("limits"))
+    map.fault("limits", "'limits' at a bool", "a channel of a numeric type");
+  auto calculation = std::make_shared<Calculation>();
+  map.read("calculate", calculation->expression, TextRule{kMaxExpression});
+  spec.at = "= " + calculation->expression;
+  spec.calculation.value = std::move(calculation);
+  return std::move(spec);
+}
+
 }  // namespace
 
 ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultList& faults) {
   MapReader map(node, channel_rows(), faults);
+  if (map.find("calculate") != nullptr || map.has("calculate"))
+    return read_calculated(map, context);
   Draft draft{context.defaults};
   ChannelSpec& spec = draft.spec;
   channel_rows().read(map, draft);

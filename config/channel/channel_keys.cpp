@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "config/calculate/expression.hpp"
 #include "config/channel/channel.hpp"
 #include "config/channel/channel_encoding.hpp"
 #include "config/document/common_forms.hpp"
@@ -104,10 +105,20 @@ std::vector<ChannelRow> channel_fields() {
                    .example = "a name for the channel"},
                   &ChannelSpec::name, NameRule{}),
       {{.name = "at",
-        .fallback = "needed",
+        .fallback = "needed without `calculate`",
         .text = "the address, in the PLC's own notation: holding:100, 40101, coil:3, VW100",
         .schema = R"({ "type": ["string", "number"] })"}},
-      by_channel({"type", "`bool` for a bit, else needed",
+      {{.name = "calculate",
+        .fallback = "none: the channel is read",
+        .text = "the value follows from other channels of this bridge: `voltage * current`. A name "
+                "with other characters than letters, digits and `_`, or of another device, is in "
+                "braces: `{oil-temperature}`, `{BUS/DEVICE/CHANNEL}`. With operators, comparisons "
+                "and the functions " +
+                function_names() +
+                ". The type is `float64`, or `bool` if `type` says so; the refresh is that of the "
+                "slowest input",
+        .schema = TextRule{kMaxExpression}.schema()}},
+      by_channel({"type", "`bool` for a bit, `float64` with `calculate`, else needed",
                   "see above; may be left out where the address is one bit"},
                  TypeRule{}),
       channel_row({"refresh", "1s", "the promise that a sample is never older", kFlowsDown},
@@ -213,7 +224,8 @@ std::vector<ChannelRow> channel_fields() {
 }  // namespace
 
 const Rows<ChannelDefaults>& channel_rows() {
-  static const Rows<ChannelDefaults> rows("channel", "a channel", channel_fields());
+  static const Rows<ChannelDefaults> rows("channel", "a channel", channel_fields(), {},
+                                          {"at", "calculate"});
   return rows;
 }
 

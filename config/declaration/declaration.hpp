@@ -23,6 +23,8 @@ struct LoadState {
   // By document; null if invalid.
   std::map<const Node*, declared::SharedDeclaration> declarations{};
   std::size_t channels = 0;  // of the whole bridge so far
+  // The value of `calculate` of each calculated channel so far; null if it is not a text.
+  std::vector<const Node*> calculations{};
 };
 
 struct ProtocolChoice {

@@ -41,6 +41,7 @@ inline constexpr std::size_t kMaxNotAvailable = 8;  // values of a channel's `no
 // Texts, in bytes. See core/model/spec.hpp for unit and description.
 inline constexpr std::size_t kMaxUnit = 32;
 inline constexpr std::size_t kMaxDescription = 256;
+inline constexpr std::size_t kMaxExpression = 512;  // of a calculated channel
 inline constexpr std::size_t kMaxPath = 1024;
 inline constexpr std::size_t kMaxPartition = 256;
 

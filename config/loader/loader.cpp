@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "config/calculate/calculations.hpp"
 #include "config/declaration/declaration.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
@@ -110,6 +111,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_metrics(map, spec);
   read_configure(map, spec.configure);
   read_buses(map, spec, state);
+  complete_calculations(spec, state.calculations, state.faults);
   check_device_numbers(root, spec, state.faults);
   if (const Node* buses = map.find("buses")) check_gateway_ports(*buses, spec, state.faults);
 }

@@ -106,6 +106,10 @@ void read_channels(const Draft& draft, const Protocol* protocol, const Position&
     }
     spec.channels.push_back(read_channel(*node, context, state.faults));
     names.add("channel", spec.channels.back().name, node->position, state.faults);
+    if (!spec.channels.back().calculation) continue;
+    for (const auto& [key, value] : node->entries)
+      if (key->text == "calculate")
+        state.calculations.push_back(value->kind == Kind::kScalar ? value : nullptr);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "core/bus/bus_engine.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/bus/bus_parts.hpp"
 
@@ -27,6 +28,7 @@ void BusEngine::inherit(const BusInheritance& inherited, Instant now) {
   parts_.channels.count_above(inherited.above);
   for (const Sample& sample : inherited.samples) {
     parts_.channels.inherit(sample);
+    if (sample.channel < parts_.channels.size()) parts_.calculator.take({&sample, 1});
     parts_.reads.inherit(sample.channel, sample.acquired);
   }
   for (const auto& [name, learned] : inherited.devices) {
@@ -39,6 +41,7 @@ void BusEngine::inherit(const BusInheritance& inherited, Instant now) {
 
 void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
   ActionSink sink(parts_.setup, samples_, actions, tracing_);
+  const std::size_t begin = actions.size();
   if (!begun_) {
     begun_ = true;
     parts_.channels.start(now);
@@ -48,6 +51,26 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
   }
   std::visit([&](const auto& e) { handle(e, now, sink); }, event);
   settle(now, sink);
+  if (!parts_.calculator.empty()) calculate(begin, now, actions);
+  set_timer(sink);
+}
+
+void BusEngine::calculate(std::size_t begin, Instant now, Actions& actions) {
+  Publish* block = nullptr;
+  for (std::size_t i = begin; i < actions.size(); ++i) {
+    auto* const publish = std::get_if<Publish>(&actions[i]);
+    if (publish == nullptr) continue;
+    parts_.calculator.take(publish->samples);
+    block = publish;
+  }
+  std::vector<Sample> results;
+  parts_.calculator.update([&](ChannelIndex channel, const Calculated& result) {
+    parts_.channels.calculated(channel, result, now, results);
+  });
+  samples_ += results.size();
+  if (results.empty()) return;
+  if (block == nullptr) return actions.push_back(Publish{std::move(results)});
+  std::ranges::move(results, std::back_inserter(block->samples));
 }
 
 void BusEngine::handle(const Opened& event, Instant now, ActionSink&) {
@@ -224,6 +247,10 @@ void BusEngine::handle(const PlanMade& event, Instant now, ActionSink&) {
   parts_.reads.adopt(*event.draft, now);
 }
 
+void BusEngine::handle(const InputsArrived& event, Instant, ActionSink&) {
+  parts_.calculator.take(event.samples);
+}
+
 void BusEngine::settle(Instant now, ActionSink& sink) {
   for (Wire& wire : parts_.wires) {
     if (!wire.exchanging() || now < wire.driver().deadline()) continue;
@@ -247,7 +274,6 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
   while (state_ == BusState::kRunning && select_free() && send_next(now, sink)) {}
   if (auto told = overload_.update(parts_.reads.stretch(), now)) sink.push(std::move(*told));
   if (auto draft = parts_.reads.draft()) sink.push(MakePlan{std::move(draft)});
-  set_timer(sink);
 }
 
 void BusEngine::set_timer(ActionSink& sink) {

@@ -82,6 +82,9 @@ class BusEngine {
   void handle(const CountAbove& event, Instant now, ActionSink& sink);
   void handle(const NotSent& event, Instant now, ActionSink& sink);
   void handle(const PlanMade& event, Instant now, ActionSink& sink);
+  void handle(const InputsArrived& event, Instant now, ActionSink& sink);
+  // Appends the results to the last block behind actions[begin], so that they leave together.
+  void calculate(std::size_t begin, Instant now, Actions& actions);
   void settle(Instant now, ActionSink& sink);
   void set_timer(ActionSink& sink);
 

@@ -16,6 +16,7 @@
 #include "core/bus/wire/unsolicited_listener.hpp"
 #include "core/bus/wire/wire.hpp"
 #include "core/bus/wire/wire_fence.hpp"
+#include "core/calculate/calculator.hpp"
 
 namespace fieldcast {
 
@@ -23,6 +24,7 @@ struct BusParts {
   BusParts(const BusSpec& spec, TextCodec& codec)
       : setup(spec),
         channels(setup.spec(), codec),
+        calculator(setup.spec()),
         commands(setup, channels, codec),
         reads(setup, channels),
         devices(setup, reads.first_ranges()),
@@ -36,6 +38,7 @@ struct BusParts {
 
   BusSetup setup;  // changes only in admit()
   ChannelTable channels;
+  Calculator calculator;
   CommandQueue commands;
   ReadPath reads;
   DeviceMonitor devices;

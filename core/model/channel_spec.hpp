@@ -7,6 +7,7 @@
 
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
+#include "core/model/calculation.hpp"
 #include "core/model/channel_kind.hpp"
 #include "core/protocol/protocol.hpp"
 
@@ -14,7 +15,7 @@ namespace fieldcast {
 
 struct ChannelSpec {
   std::string name;
-  std::string at;             // as written: "holding:100"
+  std::string at;             // as written: "holding:100"; if calculated: "= " and the expression
   std::string exponent_from;  // as written, the item of the decimal exponent; empty: none
   Range range;                // as understood, with the item of the exponent
   Encoding encoding;
@@ -33,6 +34,8 @@ struct ChannelSpec {
   Limits limits;
   std::optional<double> write_min, write_max;
   Duration write_interval{};  // rate limit of commands; 0 for none
+  // Of a calculated channel: it has no address, and its refresh is that of its slowest input.
+  SharedCalculation calculation;
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 inline constexpr int kMostDigits = 9;
@@ -49,6 +52,9 @@ struct ShownDigits {
 [[nodiscard]] std::optional<ShownDigits> shown_digits(const ChannelSpec& channel);
 
 [[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
+
+// Whether a request can read it: it is neither calculated, nor write-only, nor unsolicited.
+[[nodiscard]] bool is_requestable(const ChannelSpec& channel);
 
 // The refresh, or the heartbeat with a deadband; empty for channels only read on request.
 [[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);

@@ -30,7 +30,7 @@ bool same_value(const Whole& a, const Whole& b) {
 std::vector<Whole> whole_values(const DeviceSpec& device) {
   std::vector<Whole> channels;
   for (const ChannelSpec& channel : device.channels) {
-    if (!channel.encoding.bit) channels.push_back(whole_of(channel));
+    if (!channel.encoding.bit && !channel.calculation) channels.push_back(whole_of(channel));
   }
   std::stable_sort(channels.begin(), channels.end(), [](const Whole& a, const Whole& b) {
     return std::tuple(a.range.area, a.range.first, a.range.end()) <

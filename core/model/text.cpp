@@ -60,6 +60,10 @@ bool read_by_itself(const ChannelSpec& channel) {
          !channel.on_interest;
 }
 
+bool is_requestable(const ChannelSpec& channel) {
+  return channel.access != Access::kWriteOnly && !channel.unsolicited && !channel.calculation;
+}
+
 std::optional<Duration> promised_gap(const ChannelSpec& channel) {
   if (!read_by_itself(channel)) return std::nullopt;
   if (channel.deadband && channel.heartbeat) return std::max(channel.refresh, *channel.heartbeat);

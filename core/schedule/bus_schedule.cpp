@@ -48,7 +48,7 @@ PointMap map_points(const BusSpec& bus) {
   for (DeviceIndex device = 0; device < bus.devices.size(); ++device) {
     for (const ChannelSpec& channel : bus.devices[device].channels) {
       map.point_of.emplace_back();
-      if (channel.access != Access::kWriteOnly && !channel.unsolicited) {
+      if (is_requestable(channel)) {
         const auto key =
             std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
         const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(map.points.size()));

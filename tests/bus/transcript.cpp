@@ -180,6 +180,10 @@ void replay_line(Replay& replay, const std::string& line) {
   if (words[1] == "leased") return replay.event(LeaseBegan{"engineer"}, at, line);
   if (words[1] == "released") return replay.event(LeaseEnded{}, at, line);
   if (words[1] == "stop") return replay.event(StopRequested{}, at, line);
+  if (words[1] == "input" && words.size() == 5) {  // of another bus: "input 0 = 12.5"
+    const InputSample sample{std::stoull(words[2]), std::stod(words[4]), Quality::kGood, 0, at};
+    return replay.event(InputsArrived{{sample}}, at, line);
+  }
   if (words[1] == "end" || words[1] == "lost") return replay.remark(line);
   if (words[1] == "command") {
     const auto command = parse_command(words, replay.bus(), at);

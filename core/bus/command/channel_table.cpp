@@ -26,6 +26,9 @@ bool moved(const Value& a, const Value& b, double deadband) {
   return x && y ? std::abs(*x - *y) > deadband : a != b;
 }
 
+// The inputs of a calculated channel report first that they are late.
+constexpr Duration kBehindInputs = std::chrono::milliseconds{100};
+
 // Longest promised time between two samples: with a deadband, the heartbeat.
 Duration gap_of(const ChannelSpec& spec, std::optional<Duration> refresh) {
   if (!refresh) return Duration::zero();
@@ -46,8 +49,10 @@ ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
       entry.device = device;
       entry.last.channel = index;
       entry.last.value = zero_of(channel.encoding);
+      const Duration spare = channel.calculation ? kBehindInputs : Duration::zero();
       if (read_by_itself(channel))
-        entry.freshness = Freshness(channel.refresh, gap_of(channel, channel.refresh));
+        entry.freshness =
+            Freshness(channel.refresh + spare, gap_of(channel, channel.refresh) + spare);
       entries_.push_back(std::move(entry));
       names_[device].emplace(channel.name, index);
     }
@@ -151,12 +156,30 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   publish(entry, out, acquired);
 }
 
+void ChannelTable::calculated(ChannelIndex channel, const Calculated& result, Instant now,
+                              std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  if (result.quality != Quality::kGood) {
+    const bool never = entry.last.acquired == kLongAgo;
+    if (result.quality == Quality::kNotYetRead && never) return;
+    return refused(channel, cause_of(result), result.device_code, now, out);
+  }
+  response(channel, now, Cause::kNone);
+  if (held_back(entry, result.value, now)) return;
+  entry.last.value = result.value;
+  entry.last.quality = Quality::kGood;
+  entry.last.device_code = 0;
+  entry.last.acquired = result.acquired;
+  publish(entry, out, now);
+}
+
 void ChannelTable::unsolicited(DeviceIndex device, const Range& range, ByteView items,
                                Instant acquired, std::vector<Sample>& out) {
   constexpr unsigned kItemBits = 16;  // of a record
   for (ChannelIndex channel = first_of(device); channel < end_of(device); ++channel) {
     const ChannelSpec& spec = *entries_[channel].spec;
-    if (spec.range.area != range.area || spec.range.end() > range.end()) continue;
+    if (spec.calculation || spec.range.area != range.area || spec.range.end() > range.end())
+      continue;
     this->acquired(channel, kItemBits,
                    items.subspan(image_bytes(kItemBits, spec.range.first),
                                  image_bytes(kItemBits, spec.range.count)),
@@ -180,6 +203,7 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
 void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now,
                            std::uint16_t device_code) {
   Entry& entry = entries_[channel];
+  if (entry.spec->calculation) return;  // it depends on its inputs, not on this wire
   entry.failing_code = device_code;
   const bool uncertain =
       entry.last.quality == Quality::kUncertain || entry.last.quality == Quality::kNotYetRead;
@@ -230,6 +254,7 @@ void ChannelTable::interest_ended(ChannelIndex channel, std::vector<Sample>& out
 
 void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
+    if (entry.spec->calculation) continue;  // follows its inputs
     const bool good = entry.last.quality == Quality::kGood;
     entry.freshness.leased(good, now, misses_);
     if (!good) continue;

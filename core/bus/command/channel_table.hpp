@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/bus/command/freshness.hpp"
+#include "core/calculate/evaluation.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
@@ -55,6 +56,9 @@ class ChannelTable {
   // As `acquired` for the channels of a frame that the device sent by itself; `range` is a record.
   void unsolicited(DeviceIndex device, const Range& range, ByteView items, Instant acquired,
                    std::vector<Sample>& out);
+  // As `acquired` for a calculated channel; a result that is not good is as `refused`.
+  void calculated(ChannelIndex channel, const Calculated& result, Instant now,
+                  std::vector<Sample>& out);
   // Publishes immediately, and again only after a change.
   void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now,
                std::vector<Sample>& out);

@@ -102,8 +102,12 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
   const bool write = command_.operation == Operation::kWrite;
   ChannelIndex index = first_channel;
   for (const ChannelSpec& channel : device.channels) {
-    const bool readable = channel.access != Access::kWriteOnly && !channel.unsolicited;
+    const bool readable = is_requestable(channel);
     if (name.empty() ? readable : channel.name == name) {
+      if (channel.calculation)
+        return fault(write ? Cause::kReadOnly : Cause::kUnsupported,
+                     "channel '" + channel.name +
+                         "' is calculated by the bridge; only its inputs can be requested");
       if (write && channel.access == Access::kReadOnly)
         return fault(Cause::kReadOnly,
                      "channel '" + channel.name +

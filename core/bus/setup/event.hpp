@@ -58,8 +58,13 @@ struct NotSent {};
 struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
-using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
-                              LeaseBegan, LeaseEnded, StopRequested, CountAbove, NotSent, PlanMade>;
+// Inputs of calculated channels that belong to other buses.
+struct InputsArrived {
+  std::vector<InputSample> samples;
+};
+using BusEvent =
+    std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged, LeaseBegan,
+                 LeaseEnded, StopRequested, CountAbove, NotSent, PlanMade, InputsArrived>;
 
 // Actions, executed in order.
 

@@ -18,9 +18,11 @@ constexpr Duration kSlowestAdapters = std::chrono::milliseconds{35};
 // Longest silence after a request, including the wait for late responses without identity.
 Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   const auto protocol = make_protocol(device, line_of(bus.port));
-  if (!protocol || device.channels.empty()) return {};
+  const auto read = std::ranges::find_if(
+      device.channels, [](const ChannelSpec& channel) { return !channel.calculation; });
+  if (!protocol || read == device.channels.end()) return {};
   const bool nameless = (*protocol)->traits().identity == ResponseIdentity::kNone;
-  const auto size = (*protocol)->size(ReadRequest{{device.channels.front().range}});
+  const auto size = (*protocol)->size(ReadRequest{{read->range}});
   Duration wait = device.timeout * (nameless ? PendingResponses::kLateFactor : 1);
   for (const Area& area : (*protocol)->areas()) wait = std::max(wait, area.no_response);
   return wait + bus.gap_allowance + device.pause + (size ? size->pauses : Duration{});

@@ -10,7 +10,7 @@ UnsolicitedListener::UnsolicitedListener(const BusSetup& setup) : setup_(setup) 
     bool sends = false, polled = false;
     for (const ChannelSpec& channel : setup.device(index).channels) {
       sends = sends || channel.unsolicited;
-      polled = polled || (!channel.unsolicited && channel.access != Access::kWriteOnly);
+      polled = polled || is_requestable(channel);
       if (channel.unsolicited) sender.patience = std::max(sender.patience, channel.refresh);
     }
     if (polled) sender.patience = Duration::zero();

@@ -126,6 +126,7 @@ std::optional<ValueDecoder::Asked> ValueDecoder::by_trial(std::size_t device, By
   if (protocol == nullptr) return std::nullopt;
   std::map<AreaIndex, std::pair<std::set<std::uint32_t>, std::set<std::uint32_t>>> areas;
   for (const ChannelSpec& channel : bus_.devices[device].channels) {
+    if (channel.calculation) continue;
     auto& [firsts, ends] = areas[channel.range.area];
     firsts.insert(channel.range.first);
     for (std::uint32_t i = 0; i <= kMostLonger; ++i) ends.insert(channel.range.end() + i);
@@ -216,7 +217,7 @@ std::vector<DecodedValue> ValueDecoder::values() const {
     if (reply[i].cause != Cause::kNone) continue;
     const unsigned bits = protocols_[asked_]->areas()[ranges_[i].area].item_bits;
     for (const ChannelSpec& channel : device.channels) {
-      if (!holds(ranges_[i], channel.range)) continue;
+      if (channel.calculation || !holds(ranges_[i], channel.range)) continue;
       const std::size_t first = image_bytes(bits, channel.range.first - ranges_[i].first);
       const std::size_t size = image_bytes(bits, channel.range.count);
       if (first + size > reply[i].items.size()) continue;

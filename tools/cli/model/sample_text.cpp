@@ -77,6 +77,8 @@ std::string quality_text(const StationSample& sample, const StationChannel* abou
   if (sample.device_code == 0) return text;
   if (sample.quality == Quality::kBadRange && sample.device_code == kNotAvailableCode)
     return fmt::format("{} ({})", text, to_text(Cause::kNotAvailable));
+  if (sample.quality == Quality::kBadRange && sample.device_code == kNoResultCode)
+    return fmt::format("{} (no finite result)", text);
   return fmt::format("{} ({})", text,
                      device_code_at(about != nullptr ? about->at : "", sample.device_code));
 }

@@ -56,7 +56,9 @@ std::string range_text(const DeviceSpec& device, const Range& range) {
   const ChannelSpec *first = nullptr, *last = nullptr;
   for (const ChannelSpec& channel : device.channels) {
     const Range& own = channel.range;
-    if (own.area != range.area || own.first < range.first || own.end() > range.end()) continue;
+    if (channel.calculation || own.area != range.area || own.first < range.first ||
+        own.end() > range.end())
+      continue;
     if (!first || own.first < first->range.first) first = &channel;
     if (!last || own.end() > last->range.end()) last = &channel;
   }
@@ -144,11 +146,18 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
   std::vector<std::string> lines{painted(printable(verdict(plan)),
                                          plan.prediction.feasible ? Tone::kGood : Tone::kBad,
                                          screen.colour)};
-  std::ptrdiff_t unsolicited = 0;
-  for (const DeviceSpec& device : plan.bus->devices)
+  std::ptrdiff_t unsolicited = 0, calculated = 0;
+  for (const DeviceSpec& device : plan.bus->devices) {
     unsolicited += std::ranges::count_if(device.channels, &ChannelSpec::unsolicited);
-  const auto unread =
-      std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt) - unsolicited;
+    calculated += std::ranges::count_if(device.channels, [](const ChannelSpec& channel) {
+      return static_cast<bool>(channel.calculation);
+    });
+  }
+  const auto unread = std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt) -
+                      unsolicited - calculated;
+  if (calculated != 0)
+    lines.push_back(
+        fmt::format("{} channels are calculated by the bridge; they need no wire", calculated));
   if (unsolicited != 0)
     lines.push_back(fmt::format(
         "{} channels are sent by their devices by themselves; they are not planned", unsolicited));

@@ -18,17 +18,26 @@ std::string known_protocols() {
   return names;
 }
 
+// Without calculated channels, which no device has.
+BusSpec on_the_wire(BusSpec spec) {
+  for (DeviceSpec& device : spec.devices)
+    std::erase_if(device.channels, [](const ChannelSpec& channel) {
+      return static_cast<bool>(channel.calculation);
+    });
+  return spec;
+}
+
 }  // namespace
 
 SimBus::SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start)
-    : spec_(spec), faults_(faults), seed_(mix(seed, spec.name)), start_(start) {}
+    : spec_(on_the_wire(spec)), faults_(faults), seed_(mix(seed, spec.name)), start_(start) {}
 
 tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& spec,
                                                                 const BusFaults& faults,
                                                                 std::uint64_t seed, Instant start) {
   std::unique_ptr<SimBus> bus(new SimBus(spec, faults, seed, start));
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
-  for (const DeviceSpec& device : spec.devices) {
+  for (const DeviceSpec& device : bus->spec_.devices) {
     const DeviceKind* kind = kind_of(device);
     if (kind == nullptr) {
       return tl::unexpected(fmt::format("{}/{}: no simulated devices speak '{}'; there are: {}",

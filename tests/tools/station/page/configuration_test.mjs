@@ -171,6 +171,8 @@ test('forms are made from the schema: a new key appears by itself', () => {
   const more = structuredClone(keys);
   more.$defs.channel.properties.digits = { type: 'integer', minimum: 0, maximum: 9, description: 'Digits.' };
   assert.deepEqual(fields(more, 'buses', 0, 'devices', 0, 'channels', 0).find(({ key }) => key === 'digits').kind, 'number');
+  assert.equal(kind(channel, 'calculate'), 'text');
+  assert.deepEqual(schema.alternativesOf(schema.schemaAt(keys, ['buses', 0, 'devices', 0, 'channels', 0])), ['at', 'calculate']);
 });
 
 test('known templates are proposed, other names stay possible', () => {

@@ -37,7 +37,8 @@ tl::expected<AddressType, std::string> address_type(const CommandOptions& option
 std::vector<KnownChannel> channels_of(const Catalogue& catalogue, const ChannelPath& device) {
   std::vector<KnownChannel> channels;
   for (const auto& [path, channel] : catalogue.channels()) {
-    if (path.bus == device.bus && path.device == device.device)
+    const bool calculated = channel.at.starts_with('=');  // without an address
+    if (path.bus == device.bus && path.device == device.device && !calculated)
       channels.push_back({channel.at, channel.type});
   }
   return channels;

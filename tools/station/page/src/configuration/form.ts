@@ -5,7 +5,7 @@ import type { TemplateResult } from 'lit-html';
 import { live } from 'lit-html/directives/live.js';
 import { t } from '../i18n';
 import { html } from '../markup';
-import { fieldsOf } from './schema';
+import { alternativesOf, fieldsOf } from './schema';
 import type { Field, Schema } from './schema';
 import { childOf, lineOf, nodeAt } from './yaml_tree';
 import type { Child, Node, Path } from './yaml_tree';
@@ -70,10 +70,11 @@ function mapRow(form: Form, field: Field, path: Path, child: Child | undefined):
 
 // Keys that are set or needed first, the others in a part that opens.
 export function formFields(form: Form): TemplateResult {
-  const map = nodeAt(form.tree, form.path);
+  const map = nodeAt(form.tree, form.path), alternatives = alternativesOf(form.schema);
+  const open = alternatives.every((key) => !childOf(map, key));
   const rows = fieldsOf(form.root, form.schema).map((field) => {
     const path = [...form.path, field.key], child = childOf(map, field.key);
-    return { first: field.required || child !== undefined, row: field.kind === 'map' ? mapRow(form, field, path, child) : fieldRow(form, field, path, child) };
+    return { first: field.required || child !== undefined || (open && alternatives.includes(field.key)), row: field.kind === 'map' ? mapRow(form, field, path, child) : fieldRow(form, field, path, child) };
   });
   const more = rows.filter(({ first }) => !first);
   return html`${rows.filter(({ first }) => first).map(({ row }) => row)}

@@ -90,6 +90,9 @@ export function fieldsOf(root: Schema, schema: Schema | undefined): Field[] {
   });
 }
 
+// Keys of which a map needs exactly one.
+export const alternativesOf = (schema: Schema | undefined): string[] => (schema?.oneOf ?? []).flatMap(({ required }) => required ?? []);
+
 // Proposes the names of the known templates for the key `template`; other names stay allowed.
 export function withTemplates(root: Schema, names: readonly string[]): Schema {
   const device = root.$defs?.['device'], template = device?.properties?.['template'];
