@@ -1,5 +1,6 @@
 #include "core/schedule/bus_plan.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <set>
@@ -56,8 +57,14 @@ BusPlan make_plan(const BusSpec& bus, Duration response_time) {
   // The schedule starts with the engine's assumption; the devices then respond after response_time.
   plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedResponseTime);
   for (DeviceTiming& device : plan.input.devices) device.response_time = response_time;
+  plan.bound = load_bound_of(plan.input);
   plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedResponseTime});
   return plan;
+}
+
+std::optional<double> share_of_possible(const BusPlan& plan) {
+  if (!plan.prediction.feasible || !plan.bound || plan.bound->load <= 0) return std::nullopt;
+  return std::min(1.0, plan.bound->load / plan.prediction.planned_load);
 }
 
 std::vector<std::string> advice(const BusPlan& plan) {

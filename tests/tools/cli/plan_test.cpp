@@ -101,6 +101,11 @@ TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
   EXPECT_LE(json["channels"][0]["worst_gap"], json["channels"][0]["refresh"]);
   EXPECT_EQ(json["answer_time"], 5'000'000);
   EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("line  /dev/ttyUSB0 9600 8E1: feasible"));
+  // Two registers, each with a request: 22 characters, 5 ms and the silence, 11 bits at 9600 baud.
+  EXPECT_NEAR(json["least_load"].get<double>(), 2 * (15 * 11 / 9600.0 + 0.005 + 0.004), 0.005);
+  EXPECT_GT(json["share_of_possible"].get<double>(), 0.7);
+  EXPECT_LE(json["share_of_possible"].get<double>(), 1);
+  EXPECT_THAT(plan_lines(plan, {})[1], HasSubstr(" % of what any master can reach"));
 }
 
 TEST(PlanView, JsonHoldsThePlanThatTheSchedulerFollows) {
@@ -140,6 +145,9 @@ TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
   EXPECT_FALSE(advice(plan).empty());
   EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("NOT FEASIBLE"));
   EXPECT_THAT(plan_lines(plan, {}), testing::Contains("any of these would make it feasible:"));
+  EXPECT_THAT(plan_lines(plan, {})[1],
+              HasSubstr("proven impossible: any master needs at least 2."));
+  EXPECT_TRUE(parsed(plan_json(plan))["share_of_possible"].is_null());
 }
 
 TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsReportedInWires) {

@@ -85,6 +85,20 @@ std::string verdict(const BusPlan& plan) {
       prediction.missed, to_text(plan.response_time));
 }
 
+// "any master needs at least 80.3 % of the wire; this plan is 92 % of what any master can reach"; empty
+// if the least load is not known.
+std::string bound_text(const BusPlan& plan) {
+  if (!plan.bound || plan.bound->load <= 0) return {};
+  const double least = plan.bound->load;
+  if (least > 1)
+    return fmt::format("proven impossible: any master needs at least {:.2f} times the wire", least);
+  const std::string needs =
+      fmt::format("any master needs at least {:.1f} % of the wire", least * 100);
+  if (!plan.prediction.feasible) return "no plan found, none is proven impossible: " + needs;
+  return fmt::format("{}; this plan is {:.0f} % of what any master can reach", needs,
+                     share_of_possible(plan).value_or(0) * 100);
+}
+
 // "uint32, low word first": the type, and its order if it has one.
 std::string type_text(const Encoding& encoding) {
   std::string text = to_text(encoding);
@@ -146,6 +160,7 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
   std::vector<std::string> lines{painted(printable(verdict(plan)),
                                          plan.prediction.feasible ? Tone::kGood : Tone::kBad,
                                          screen.colour)};
+  if (std::string bound = bound_text(plan); !bound.empty()) lines.push_back(std::move(bound));
   std::ptrdiff_t unsolicited = 0, calculated = 0;
   for (const DeviceSpec& device : plan.bus->devices) {
     unsolicited += std::ranges::count_if(device.channels, &ChannelSpec::unsolicited);
@@ -178,6 +193,7 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
 
 Json plan_json(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
+  const auto share = share_of_possible(plan);
   Json channels = Json::array(), blocks = Json::array();
   constexpr auto kLowWord = WordOrder::kLittleEndian;
   constexpr auto kLowByte = ByteOrder::kLittleEndian;
@@ -209,6 +225,8 @@ Json plan_json(const BusPlan& plan) {
           {"feasible", prediction.feasible},
           {"load", prediction.load},
           {"planned_load", prediction.planned_load},
+          {"least_load", plan.bound ? Json(plan.bound->load) : Json()},
+          {"share_of_possible", share ? Json(*share) : Json()},
           {"stretch", prediction.stretch},
           {"horizon", prediction.horizon.count()},
           {"reads", prediction.reads},
