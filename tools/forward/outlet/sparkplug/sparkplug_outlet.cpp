@@ -26,7 +26,7 @@ void log_refused(const std::string& topic, std::string_view reason) {
 
 }  // namespace
 
-SparkplugOutlet::SparkplugOutlet(const SparkplugSpec& spec, OutletContext context)
+SparkplugOutlet::SparkplugOutlet(const SparkplugSpec& spec, const OutletContext& context)
     : spec_(spec),
       count_connection_(context.count_connection),
       on_command_(spec.command_user.empty() ? nullptr : context.on_command),

@@ -11,7 +11,7 @@ namespace fieldcast::forward {
 
 class SparkplugOutlet final : public Outlet {
  public:
-  SparkplugOutlet(const SparkplugSpec& spec, OutletContext context);
+  SparkplugOutlet(const SparkplugSpec& spec, const OutletContext& context);
   ~SparkplugOutlet() override;
 
   [[nodiscard]] bool is_ready(Instant now) override;
