@@ -91,6 +91,8 @@ TEST(SampleText, RawValueThatMeansNoValueIsNamed) {
   EXPECT_EQ(quality_text(sample), "BAD_RANGE");
   sample.device_code = kNotAvailableCode;
   EXPECT_EQ(quality_text(sample), "BAD_RANGE (the device has no value)");
+  sample.device_code = kNoResultCode;  // of a calculated channel
+  EXPECT_EQ(quality_text(sample), "BAD_RANGE (no finite result)");
 }
 
 TEST(ValueForUsers, HasEveryDigitOfItsType) {
