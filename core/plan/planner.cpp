@@ -230,7 +230,8 @@ class PlanMaker {
     for (const Group& group : plan_.grouping.groups)
       requests.push_back(request_of(wire_, plan_, group, points_of(group, points())));
     return plan_.table->fill(std::move(requests),
-                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds);
+                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds,
+                             wire_.weights.search && plan_.stretch <= 1);
   }
 
   [[nodiscard]] ReadPlan finished(ReadPlan plan) const {
