@@ -218,12 +218,12 @@ record: { patterns: ["*"] }
 
 
 def stored_rows(path):
-    """{(device, channel): [(acquired_at, sequence, quality, value)]} in the order of publication."""
+    """{(device, channel): [(acquired_at, sequence, quality, value)]} in the order of publication, without those that the station itself makes."""
     found = collections.defaultdict(list)
     with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as connection:
         for device, channel, *row in connection.execute(
                 "select c.device, c.channel, acquired_at, sequence, quality, coalesce(integer_value, real_value, text_value) "
-                "from samples s join channels c on c.id = s.channel order by published_at, sequence"):
+                "from samples s join channels c on c.id = s.channel where c.channel not like '$%' order by published_at, sequence"):
             found[device, channel].append(tuple(row))
     return found
 

@@ -106,7 +106,7 @@ class ReportsPage implements Page {
       <th scope="col">${t('history.channel')}</th><th scope="col">${t('history.unit')}</th><th scope="col">${t('range.from')}</th>
       ${Object.values(figures).map((name) => html`<th scope="col" class="number">${t(name)}</th>`)}<th scope="col" class="number">${t('reports.covered')}</th></tr></thead>
       <tbody>${tables.map(({ channel, unit, rows }) => rows.map((row) => html`<tr><td>${channel}</td><td>${unit}</td><td>${fullTime(row.from_ms).slice(0, shapes[this.by])}</td>
-        ${Object.keys(figures).map((name) => html`<td class="number">${shownValue(row[name as 'min'], 'float64')}</td>`)}<td class="number">${percent(row.covered)}</td></tr>`))}</tbody></table></div>`;
+        ${Object.keys(figures).map((name) => html`<td class="number">${shownValue(row[name as 'min'], { type: 'float64' })}</td>`)}<td class="number">${percent(row.covered)}</td></tr>`))}</tbody></table></div>`;
   }
 
   private lists(): TemplateResult {
