@@ -230,8 +230,7 @@ class PlanMaker {
     for (const Group& group : plan_.grouping.groups)
       requests.push_back(request_of(wire_, plan_, group, points_of(group, points())));
     return plan_.table->fill(std::move(requests),
-                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds,
-                             wire_.weights.search && plan_.stretch <= 1);
+                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds);
   }
 
   [[nodiscard]] ReadPlan finished(ReadPlan plan) const {

@@ -156,8 +156,7 @@ void Timetable::leave(std::size_t index) {
   for (Slots slot = 0; slot < slots_; ++slot) set_cost(index, slot, Duration::zero());
 }
 
-std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds,
-                                       bool search) {
+std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
   constexpr std::size_t kLarge = 8'000;  // reads in the table above which it is made only once
   requests_ = std::move(requests);
   choose_length();
@@ -171,7 +170,7 @@ std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, u
     if (cost_.size() > kLarge) break;
   }
   sort_by_reserve(ways);
-  if (search && rounds > 0 && ways.front().spare_ < timing_.reserve) improve_all(ways);
+  if (rounds > 0 && ways.front().spare_ < timing_.reserve) improve_all(ways);
   *this = std::move(ways.front());
   ways.erase(ways.begin());
   return ways;

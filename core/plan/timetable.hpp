@@ -65,9 +65,7 @@ class Timetable {
   explicit Timetable(const TableTiming& timing) : timing_(timing), slot_(timing.period) {}
 
   // This object becomes the variant with the largest reserve; returns the others, in this order.
-  // `search`: for rounds of equal length, if the reserve is too small.
-  std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds,
-                              bool search = true);
+  std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds);
   // Changes the length of the slots; the reads in them stay.
   void set_period(Duration base_period);
   // Other requests keep their phases, as does this one if only its costs change. Then call align().

@@ -24,7 +24,6 @@ struct CyclicWeights {
   // Additional margin on a lightly loaded bus.
   double light_reserve = 0.08;
   unsigned rounds = 6;
-  bool search = true;  // for rounds of equal length, which takes up to a second
   // Reads that planners without a timetable look ahead.
   unsigned look_ahead = 64;
 };
