@@ -170,10 +170,8 @@ void Timetable::sort_by_reserve(std::vector<Timetable>& ways) const {
 namespace {
 
 // Limits the time of a search: how many rounds are compared in all.
-constexpr std::size_t kMostEffort = 160'000'000;
-constexpr unsigned kPasses = 20;
-// When nothing moves any more, only rounds in the longest three quarters, then half, still count.
-constexpr int kGoals = 2;
+constexpr std::size_t kMostEffort = 80'000'000;
+constexpr unsigned kPasses = 10;
 
 }  // namespace
 
@@ -196,10 +194,9 @@ void Timetable::improve_all(std::vector<Timetable>& ways) const {
 void Timetable::improve(unsigned passes) {
   Timetable best = *this;
   start_rounds();
-  int goal = 0;
   for (unsigned pass = 0; pass < passes && best.spare_ < timing_.reserve; ++pass) {
-    const Duration mean = std::accumulate(total_.begin(), total_.end(), Duration::zero()) / slots_;
-    windows_->set_goal(mean + (windows_->longest() - mean) / 4 * goal);
+    const Duration sum = std::accumulate(total_.begin(), total_.end(), Duration::zero());
+    windows_->set_goal(sum / slots_);
     bool moved = false;
     for (std::size_t index = 0; index < requests_.size(); ++index) {
       if (requests_[index].members.empty()) continue;
@@ -215,7 +212,7 @@ void Timetable::improve(unsigned passes) {
     }
     spare_ = spare_without_rests(order());
     if (spare_ > best.spare_) best = *this;
-    if (!moved && ++goal > kGoals) break;
+    if (!moved) break;
   }
   *this = std::move(best);
   windows_.reset();

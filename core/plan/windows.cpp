@@ -1,7 +1,5 @@
 #include "core/plan/windows.hpp"
 
-#include <algorithm>
-
 namespace fieldcast {
 
 Windows::Windows(std::uint32_t frequent, std::uint32_t slots, Duration slot)
@@ -46,10 +44,6 @@ std::int64_t Windows::strain() const {
   std::int64_t sum = 0;
   for (const std::int64_t length : lengths_) sum += over(length);
   return sum;
-}
-
-Duration Windows::longest() const {
-  return Duration{*std::ranges::max_element(lengths_) << shift_};
 }
 
 std::int64_t Windows::exchange(std::uint32_t rank, std::span<const Duration> first,

@@ -31,7 +31,6 @@ class Windows {
   // The same for every rank of a new read; adds to sums[0 .. frequent].
   void add_strains(std::uint32_t slot, Duration now, std::span<std::int64_t> sums) const;
   [[nodiscard]] std::int64_t strain() const;
-  [[nodiscard]] Duration longest() const;
   // Exchanges the frequent requests `rank` and `rank` + 1, whose reads last `first` and `second` by
   // slot. Returns what this adds to strain().
   std::int64_t exchange(std::uint32_t rank, std::span<const Duration> first,
