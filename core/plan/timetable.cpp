@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "core/plan/layout/time_math.hpp"
@@ -31,7 +32,8 @@ double growth(Duration before, double more) { return more * (2.0 * ns(before) + 
 void Timetable::choose_length() {
   length_ = table_length(requests_);
   slots_ = length_.slots;
-  slot_ = std::max(Duration{1}, timing_.period / length_.parts);
+  slot_ = std::max(Duration{1}, base_period_ / length_.parts);
+  slack_ = base_slack_ / length_.parts;
   for (TimetableRequest& request : requests_) set_periods(request, length_);
   shortest_ = slots_;
   for (const TimetableRequest& request : requests_) {
@@ -79,17 +81,13 @@ void Timetable::mark(std::size_t index, std::size_t member, Slots slot, bool due
 
 void Timetable::set_cost(std::size_t index, Slots slot, Duration cost) {
   Duration& now = this->cost(index, slot);
-  if (now == cost) return;
-  if (windows_) windows_->change(requests_[index].rank, slot, now, cost);
   total_[slot] += cost - now;
   if (requests_[index].period == shortest_) steady_[slot] += cost - now;
   now = cost;
 }
 
 double Timetable::strain(std::size_t index, Slots slot, Duration cost) const {
-  const Duration now = this->cost(index, slot);
-  if (windows_)
-    return static_cast<double>(windows_->strain(requests_[index].rank, slot, now, cost));
+  const Duration now = cost_[index * slots_ + slot];
   const double more = ns(cost - now);
   const double steady =
       requests_[index].period == shortest_ ? level_steady_ * growth(steady_[slot], more) : 0;
@@ -156,24 +154,58 @@ void Timetable::leave(std::size_t index) {
   for (Slots slot = 0; slot < slots_; ++slot) set_cost(index, slot, Duration::zero());
 }
 
+// Earlier requests of a slot are assumed to end as late as allowed. Short periods are first; among
+// equal ones, those whose reads change least.
+void Timetable::align() {
+  std::vector<std::size_t> order(requests_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto slower_members = [&](std::size_t index) {
+    const TimetableRequest& request = requests_[index];
+    return std::ranges::count_if(request.members,
+                                 [&](const auto& m) { return m.period > request.period; });
+  };
+  std::vector<std::ptrdiff_t> slower(requests_.size());
+  for (std::size_t index = 0; index < requests_.size(); ++index)
+    slower[index] = slower_members(index);
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
+  });
+  std::vector<Duration> end(slots_);
+  for (const std::size_t index : order) {
+    TimetableRequest& request = requests_[index];
+    request.latest_end = Duration::zero();
+    for (Slots slot = request.phase; slot < slots_; slot += request.period) {
+      end[slot] += cost(index, slot);
+      request.latest_end = std::max(request.latest_end, end[slot]);
+    }
+    const Duration earliest = request.latest_end - slack_ * request.period;
+    for (Slots slot = request.phase; slot < slots_; slot += request.period)
+      end[slot] = std::max(end[slot], earliest);
+  }
+}
+
 std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
   constexpr std::size_t kLarge = 8'000;  // reads in the table above which it is made only once
   requests_ = std::move(requests);
   choose_length();
-  set_ranks();
   std::vector<Timetable> ways;
   for (const Levels& levels : kLevels) {
     level_slots_ = levels.slots;
     level_steady_ = levels.steady;
     settle(rounds);
+    if (cost_.size() > kLarge) return {};
     ways.push_back(*this);
-    if (cost_.size() > kLarge) break;
   }
-  sort_by_reserve(ways);
-  if (rounds > 0 && ways.front().spare_ < timing_.reserve) improve_all(ways);
+  std::ranges::stable_sort(ways, {}, [](const Timetable& way) { return way.latest_end(); });
   *this = std::move(ways.front());
   ways.erase(ways.begin());
   return ways;
+}
+
+Duration Timetable::latest_end() const {
+  Duration latest{};
+  for (const TimetableRequest& request : requests_) latest = std::max(latest, request.latest_end);
+  return latest;
 }
 
 bool Timetable::empty() const {
@@ -212,7 +244,6 @@ void Timetable::settle(unsigned rounds) {
 void Timetable::change(std::size_t index, TimetableRequest request) {
   set_periods(request, length_);
   TimetableRequest& before = requests_[index];
-  request.rank = before.rank;
   const bool same =
       request.period == before.period &&
       std::equal(request.members.begin(), request.members.end(), before.members.begin(),
