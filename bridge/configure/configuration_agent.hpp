@@ -1,6 +1,6 @@
 // The operations on the configuration of a bridge: read, check, deploy, confirm, rollback,
-// versions, version, probe, scan. JSON in, JSON out. One thread at a time; owns the files (version_folder.hpp),
-// and calls the bridge through its ports.
+// versions, version, probe, scan. JSON in, JSON out. One thread at a time; owns the files
+// (version_folder.hpp), and calls the bridge through its ports.
 #pragma once
 
 #include <functional>

@@ -20,8 +20,8 @@ class ConfigurationService {
   static constexpr std::size_t kMostWaiting = 8;  // requests; more are refused
   static constexpr Duration kLook = std::chrono::seconds{1};
 
-  // `respond` is called on the service's thread, as the ports are. A probe that runs must end before
-  // this object is destroyed; its buses end it when they stop.
+  // `respond` is called on the service's thread, as the ports are. A probe that runs must end
+  // before this object is destroyed; its buses end it when they stop.
   ConfigurationService(const std::string& file, configure::ConfigurationAgent::Ports ports,
                        std::function<void(const ConfigurationMessage& reply)> respond);
   ~ConfigurationService() { close(); }

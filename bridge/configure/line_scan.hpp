@@ -1,5 +1,5 @@
-// A part of the search of a running bus for devices: which addresses are probed, and what was found.
-// Pure.
+// A part of the search of a running bus for devices: which addresses are probed, and what was
+// found. Pure.
 #pragma once
 
 #include <optional>

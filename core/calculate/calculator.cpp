@@ -53,8 +53,7 @@ std::vector<ChannelPath> foreign_inputs(const BusSpec& bus) {
     }
   }
   std::ranges::sort(found);
-  const auto rest = std::ranges::unique(found);
-  found.erase(rest.begin(), rest.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

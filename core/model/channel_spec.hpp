@@ -46,8 +46,8 @@ struct ShownDigits {
   bool configured = false;  // false: from the resolution of the channel
   friend bool operator==(const ShownDigits&, const ShownDigits&) = default;
 };
-// Without the key `digits`: those of the scale and the offset of an integer, or of a number as text.
-// Empty if the resolution is unknown (floats, values with an exponent) or needs more than
+// Without the key `digits`: those of the scale and the offset of an integer, or of a number as
+// text. Empty if the resolution is unknown (floats, values with an exponent) or needs more than
 // kMostDigits.
 [[nodiscard]] std::optional<ShownDigits> shown_digits(const ChannelSpec& channel);
 

@@ -17,7 +17,7 @@ import unittest
 SOURCE_DIR, NM, CORE_LIBRARIES = "", "nm", []
 
 # A directory may include those of earlier entries, never later ones or others of its own entry.
-LAYERS = [{"base"}, {"access", "capture", "frame", "codec"}, {"protocol", "telnet"}, {"program"}, {"model"}, {"alarm", "gateway", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
+LAYERS = [{"base"}, {"access", "capture", "frame", "codec"}, {"protocol", "telnet"}, {"program"}, {"model"}, {"alarm", "calculate", "gateway", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
 RANK = {folder: rank for rank, folders in enumerate(LAYERS) for folder in folders}
 
 THIRD_PARTY = {"tl/expected.hpp"}

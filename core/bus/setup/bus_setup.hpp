@@ -61,8 +61,8 @@ class BusSetup {
   // Why a request to the device could disturb the configured ones; empty if it cannot.
   [[nodiscard]] std::optional<std::string> why_not_ad_hoc(const DeviceSpec& device) const;
   // Replaces the ad-hoc device of this index. Returns false if its protocol cannot be made.
-  // REQUIRES: why_not_ad_hoc() is empty; no request to the former device is pending, and no response
-  // unless both have the same link.
+  // REQUIRES: why_not_ad_hoc() is empty; no request to the former device is pending, and no
+  // response unless both have the same link.
   [[nodiscard]] bool set_ad_hoc(DeviceIndex index, const DeviceSpec& device);
 
   // Both exclude the device's own response time.

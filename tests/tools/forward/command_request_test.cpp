@@ -181,11 +181,11 @@ TEST(CommandResponse, IsReadAtTheCentre) {
   EXPECT_EQ(found->reason, "too\\nlarge");
   EXPECT_EQ(found->values, sent.values);
   EXPECT_EQ(found->completed_at, kMoment);
-  for (
-      const char* bad :
-      {"", "[]", "7", R"({"schema":2})", R"({"schema":1,"id":"1"})",
-       R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","completed_at":"x"})",
-       R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","values":[{}],"completed_at":1})"})
+  for (const char* bad :
+       {"", "[]", "7", R"({"schema":2})", R"({"schema":1,"id":"1"})",
+        R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","completed_at":"x"})",
+        R"({"schema":1,"id":"1","state":"done","cause":"","reason":"","values":[{}],)"
+        R"("completed_at":1})"})
     EXPECT_FALSE(command_response_from(bad)) << bad;
   EXPECT_FALSE(command_response_from(std::string(20'000, ' ')));
 }

@@ -85,8 +85,8 @@ std::string verdict(const BusPlan& plan) {
       prediction.missed, to_text(plan.response_time));
 }
 
-// "any master needs at least 80.3 % of the wire; this plan is 92 % of what any master can reach"; empty
-// if the least load is not known.
+// "any master needs at least 80.3 % of the wire; this plan is 92 % of what any master can reach";
+// empty if the least load is not known.
 std::string bound_text(const BusPlan& plan) {
   if (!plan.bound || plan.bound->load <= 0) return {};
   const double least = plan.bound->load;

@@ -21,8 +21,8 @@ class StreamReader {
  public:
   // `station`: its name, which names its position in the stream. `taken`: names of its DDS sites,
   // which a site of the stream may not have. `store` and `recorder` are null if nothing is
-  // recorded; `store_address` is that of `store`. All must outlive this object. `on_alarm` is called on a thread of this
-  // object and must not block.
+  // recorded; `store_address` is that of `store`. All must outlive this object. `on_alarm` is
+  // called on a thread of this object and must not block.
   StreamReader(const forward::JetStreamSpec& spec, const std::string& station,
                std::set<std::string> taken, DomainInbox& inbox, Store* store,
                StoreAddress store_address, Recorder* recorder,
