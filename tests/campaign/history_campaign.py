@@ -25,31 +25,21 @@ sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
 import history_check  # noqa: E402
 from plant import Failure, Plant, report  # noqa: E402
 
-CONFIG = """
-bridge: history
-buses:
-  - name: north
-    port: { serial: {run}/north, baud: 38400, format: 8E1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 300ms, timeout: 150ms }
-    capture: { folder: {run}/wire, file-size: 10MB, files: 100 }
-    devices:
-      - name: mill
-        address: 1
-        channels: &channels
-          - { name: temperature, at: "holding:100", type: float32 }
+CHANNELS = """          - { name: temperature, at: "holding:100", type: float32 }
           - { name: speed, at: "holding:104", type: int16 }
           - { name: power, at: "input-register:7", type: int32, scale: 0.1 }
           - { name: setpoint, at: "holding:200", type: int32, access: read-write }
-      - { name: press, address: 2, channels: *channels }
-  - name: south
-    port: { serial: {run}/south, baud: 19200, format: 8E1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 500ms, timeout: 200ms }
-    capture: { folder: {run}/wire, file-size: 10MB, files: 100 }
-    devices:
-      - { name: mill, address: 1, channels: *channels }
 """
+LINE = """  - name: {name}
+    port: {{ serial: {{run}}/{name}, baud: {baud}, format: 8E1 }}
+    protocol: modbus-rtu
+    defaults: {{ refresh: {refresh}, timeout: 200ms }}
+    capture: {{ folder: {{run}}/wire, file-size: 10MB, files: 100 }}
+    devices:
+"""
+MILL, PRESS = (f"      - name: {name}\n        address: {address}\n        channels:\n{CHANNELS}" for name, address in (("mill", 1), ("press", 2)))
+CONFIG = ("bridge: history\nbuses:\n" + LINE.format(name="north", baud=38400, refresh="300ms") + MILL + PRESS
+          + LINE.format(name="south", baud=19200, refresh="500ms") + MILL)
 FAULTS = """
 buses:
   "*":
@@ -86,11 +76,11 @@ class FaultyPlant(Plant):
 
 
 class Caller(threading.Thread):
-    """Writes one value after the other, and records what became of each."""
+    """Writes one value after the other to `channels`, and records what became of each."""
 
-    def __init__(self, plant, number, seed, file, over):
+    def __init__(self, plant, channels, number, seed, file, over):
         super().__init__()
-        self.plant, self.random, self.over = plant, random.Random(f"{seed}-{number}"), over
+        self.plant, self.channels, self.random, self.over = plant, channels, random.Random(f"{seed}-{number}"), over
         self.file, self.values = file, itertools.count(1_000_000 * (number + 1))
 
     def run(self):
@@ -99,7 +89,7 @@ class Caller(threading.Thread):
                 file.write(json.dumps(self._write()) + "\n")
 
     def _write(self):
-        channel, value = self.random.choice(WRITTEN), next(self.values)
+        channel, value = self.random.choice(self.channels), next(self.values)
         span = self.random.choice(["5s", "5s", "2s", "20ms", "1ms"])
         invoked = time.time_ns()
         result = self.plant.cli("write", f"{channel}={value}", "--timeout", span, "--json")
@@ -120,7 +110,7 @@ def run(options, folder):
     over = threading.Event()
     with FaultyPlant(options.bin, options.seed) as plant:
         watching = [watch(plant, name) for name in stations]
-        callers = [Caller(plant, number, options.seed, name, over) for number, name in enumerate(calls)]
+        callers = [Caller(plant, WRITTEN, number, options.seed, name, over) for number, name in enumerate(calls)]
         try:
             for caller in callers:
                 caller.start()

@@ -32,26 +32,15 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
 import history_check  # noqa: E402
 import nats  # noqa: E402
-from history_campaign import Caller  # noqa: E402
+from history_campaign import MILL, PRESS, Caller  # noqa: E402
 from plant import Failure, claim_domain, report, run_cli, wait_until  # noqa: E402
 
-CHANNELS = """          - { name: temperature, at: "holding:100", type: float32 }
-          - { name: speed, at: "holding:104", type: int16 }
-          - { name: power, at: "input-register:7", type: int32, scale: 0.1 }
-          - { name: setpoint, at: "holding:200", type: int32, access: read-write }
-"""
 LINE = """  - name: {name}
     port: {{ tcp: "127.0.0.1:{port}" }}
     protocol: modbus-tcp
     defaults: {{ refresh: 500ms, timeout: 250ms }}
 {capture}    devices:
-      - name: mill
-        address: 1
-        channels:
-{channels}      - name: press
-        address: 2
-        channels:
-{channels}"""
+{devices}"""
 FAULTS = """buses:
   "*":
     devices:
@@ -128,7 +117,7 @@ class Soak:
         for number, port in enumerate(ports):
             seen = number < CAPTURED
             capture = f"    capture: {{ folder: {self.path('wire-' + name)}, file-size: 100MB, files: 1000 }}\n" if seen and name in PAIR else ""
-            lines.append(LINE.format(name=f"{'seen' if seen else 'line'}-{number}", port=port, capture=capture, channels=CHANNELS))
+            lines.append(LINE.format(name=f"{'seen' if seen else 'line'}-{number}", port=port, capture=capture, devices=MILL + PRESS))
         return f"bridge: {{ name: {name}{standby} }}\ndds: {{ domain: {self.domain} }}\nbuses:\n" + "".join(lines)
 
     def start(self):
@@ -153,10 +142,8 @@ class Soak:
                 "forward.yaml", f"site: soak\ndds: {{ domain: {self.domain} }}\nqueue: {{ path: forward.db }}\n"
                                 f"jetstream: {{ servers: [nats://127.0.0.1:{self.server.port}], streams: {{ create: true, keep: 1h }} }}\n"))
         wait_until(lambda: len(self.states()) == self.options.lines, 60, "the lines do not run")
-        import history_campaign  # the channels that Caller writes to
-        history_campaign.WRITTEN[:] = [f"seen-{number}/{device}/setpoint" for number in range(min(CAPTURED, self.options.lines))
-                                       for device in ("mill", "press")]
-        self.callers = [Caller(self, number, self.options.seed, self.path(f"commands-{number}.jsonl"), self.over) for number in (1, 2)]
+        written = [f"seen-{number}/{device}/setpoint" for number in range(min(CAPTURED, self.options.lines)) for device in ("mill", "press")]
+        self.callers = [Caller(self, written, number, self.options.seed, self.path(f"commands-{number}.jsonl"), self.over) for number in (1, 2)]
         for caller in self.callers:
             caller.start()
 

@@ -133,8 +133,8 @@ TEST(Calculator, TheLastResultDoesNotDependOnTheOrderOfTheBlocks) {
     for (int way = 0; way < 4; ++way) {
       Calculator calculator(bus());
       std::map<ChannelIndex, Calculated> results;
-      // Older samples of each channel, mixed with the last ones, of which each comes behind its
-      // own.
+      // Older samples in any order with the last ones. The last sample of a channel follows its
+      // older ones.
       std::vector<Sample> stream;
       for (const Sample& each : last)
         for (std::size_t i = random() % 3; i > 0; --i)

@@ -139,7 +139,7 @@ class ReportJob {
   // On the database thread.
   [[nodiscard]] Made step(SqlConnection& connection) {
     if (tables_.size() < channels_.size()) {
-      tables_.push_back(read_tables(connection, {channels_[tables_.size()]}, periods_).front());
+      tables_.push_back(read_table(connection, channels_[tables_.size()], periods_));
       if (tables_.size() < channels_.size()) return std::nullopt;
     }
     switch (format_) {

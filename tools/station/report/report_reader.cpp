@@ -7,27 +7,6 @@
 #include "core/base/value.hpp"
 
 namespace fieldcast::web {
-namespace {
-
-ReportTable read_table(SqlConnection& connection, const ChannelPath& path,
-                       const std::vector<ReportPeriod>& periods) {
-  ReportTable table{.channel = path.text()};
-  const auto channel = SampleTable(connection).find(path);
-  table.known = channel.has_value();
-  if (!channel || periods.empty()) return table;
-  table.unit = channel->unit;
-  std::vector<Bucket> minutes;
-  if (channel->type != to_text(ValueType::kString))
-    TierHistory(connection, kReportMinute)
-        .read(*channel, periods.front().from, periods.back().to, [&](const Bucket& bucket) {
-          minutes.push_back(bucket);
-          return true;
-        });
-  table.rows = report_rows(minutes, periods);
-  return table;
-}
-
-}  // namespace
 
 std::vector<ChannelPath> channels_of(SqlConnection& connection,
                                      const std::vector<Pattern>& patterns) {
@@ -48,12 +27,22 @@ std::vector<ChannelPath> channels_of(SqlConnection& connection,
   return found;
 }
 
-std::vector<ReportTable> read_tables(SqlConnection& connection,
-                                     const std::vector<ChannelPath>& channels,
-                                     const std::vector<ReportPeriod>& periods) {
-  std::vector<ReportTable> tables;
-  for (const ChannelPath& path : channels) tables.push_back(read_table(connection, path, periods));
-  return tables;
+ReportTable read_table(SqlConnection& connection, const ChannelPath& path,
+                       const std::vector<ReportPeriod>& periods) {
+  ReportTable table{.channel = path.text()};
+  const auto channel = SampleTable(connection).find(path);
+  table.known = channel.has_value();
+  if (!channel || periods.empty()) return table;
+  table.unit = channel->unit;
+  std::vector<Bucket> minutes;
+  if (channel->type != to_text(ValueType::kString))
+    TierHistory(connection, kReportMinute)
+        .read(*channel, periods.front().from, periods.back().to, [&](const Bucket& bucket) {
+          minutes.push_back(bucket);
+          return true;
+        });
+  table.rows = report_rows(minutes, periods);
+  return table;
 }
 
 }  // namespace fieldcast::web

@@ -17,8 +17,7 @@ inline constexpr std::size_t kMaxPeriods = 400;
 [[nodiscard]] std::vector<ChannelPath> channels_of(SqlConnection& connection,
                                                    const std::vector<Pattern>& patterns);
 // REQUIRES: periods in the order of time.
-[[nodiscard]] std::vector<ReportTable> read_tables(SqlConnection& connection,
-                                                   const std::vector<ChannelPath>& channels,
-                                                   const std::vector<ReportPeriod>& periods);
+[[nodiscard]] ReportTable read_table(SqlConnection& connection, const ChannelPath& path,
+                                     const std::vector<ReportPeriod>& periods);
 
 }  // namespace fieldcast::web

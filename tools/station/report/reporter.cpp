@@ -118,8 +118,7 @@ tl::expected<std::string, std::string> ReportMaker::content_of(const ReportSpec&
   for (const ChannelPath& channel : channels) {
     if (ended()) return std::string();
     limit();
-    auto table = read_tables(*connection_, {channel}, periods);
-    std::ranges::move(table, std::back_inserter(tables));
+    tables.push_back(read_table(*connection_, channel, periods));
   }
   limit();
   if (spec.csv) return report_csv(tables);

@@ -26,8 +26,7 @@ class EdgeNode {
   EdgeNode(const SparkplugSpec& spec, const std::string& site,
            RecordDecoder::FindCatalogue catalogue);
 
-  // NDEATH for the next connection. `number`: of the connection, of which bdSeq has the last 8
-  // bits (6.4.25).
+  // NDEATH for the next connection. bdSeq is the number of the connection modulo 256 (6.4.25).
   [[nodiscard]] MqttMessage will(std::uint64_t number, UtcTime now);
   // NDEATH of the present connection.
   [[nodiscard]] MqttMessage death(UtcTime now) const;

@@ -90,7 +90,7 @@ export function fieldsOf(root: Schema, schema: Schema | undefined): Field[] {
   });
 }
 
-// Keys of which a map needs exactly one.
+// A map needs exactly one of these keys.
 export const alternativesOf = (schema: Schema | undefined): string[] => (schema?.oneOf ?? []).flatMap(({ required }) => required ?? []);
 
 // Proposes the names of the known templates for the key `template`; other names stay allowed.
