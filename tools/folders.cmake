@@ -12,7 +12,7 @@ endif()
 # The libraries of others, by their names in `Libraries:` (tests/tools/boundaries.py has their headers).
 set(FIELDCAST_LIBRARIES
   "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=${FIELDCAST_FAST_DDS}" "fmt=fmt::fmt" "forward-schema=fieldcast_forward_schema" "idl=fieldcast_idl" "libcurl=PkgConfig::CURL" "libmosquitto=PkgConfig::MOSQUITTO" "libpq=PkgConfig::PQ" "librdkafka=PkgConfig::RDKAFKA" "libsodium=PkgConfig::SODIUM"
-  "libxlsxwriter=PkgConfig::XLSXWRITER" "libzip=PkgConfig::libzip" "muParser=PkgConfig::MUPARSER" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
+  "libxlsxwriter=fieldcast_xlsxwriter" "libzip=PkgConfig::libzip" "muParser=PkgConfig::MUPARSER" "nats.c=PkgConfig::NATS" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
   "snappy=PkgConfig::SNAPPY" "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB" "zstd=PkgConfig::ZSTD")
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -41,11 +41,16 @@ pkg_check_modules(PQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(RDKAFKA REQUIRED IMPORTED_TARGET rdkafka)
 pkg_check_modules(SNAPPY REQUIRED IMPORTED_TARGET snappy)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
-pkg_check_modules(XLSXWRITER REQUIRED IMPORTED_TARGET xlsxwriter)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 set(CURSES_NEED_NCURSES TRUE)
 set(CURSES_NEED_WIDE TRUE)
 find_package(Curses REQUIRED)
+# Without pkg-config: its file in Debian 13 asks for minizip, which libxlsxwriter-dev does not install.
+find_library(XLSXWRITER_LIBRARY xlsxwriter REQUIRED)
+find_path(XLSXWRITER_INCLUDE_DIR xlsxwriter.h REQUIRED)
+add_library(fieldcast_xlsxwriter INTERFACE)
+target_link_libraries(fieldcast_xlsxwriter INTERFACE ${XLSXWRITER_LIBRARY})
+target_include_directories(fieldcast_xlsxwriter SYSTEM INTERFACE ${XLSXWRITER_INCLUDE_DIR})
 add_library(fieldcast_ncurses INTERFACE)
 target_link_libraries(fieldcast_ncurses INTERFACE ${CURSES_LIBRARIES})
 # Only the headers of toml++.
