@@ -125,7 +125,7 @@ struct GatewayServer::State {
   gateway::Counters counters;
   std::map<std::string, std::shared_ptr<Client>> clients;  // by requester
   std::atomic<std::uint16_t> port{0};
-  bool said = false;       // the failure to listen was logged
+  int failures = 0;        // to listen
   IoThread io{"gateway"};  // outlives the members below, and ends before those above
   asio::steady_timer again{io.context()}, ticking{io.context()};
   std::optional<Listener> listener;
@@ -135,7 +135,9 @@ void GatewayServer::State::open() {
   listener.emplace(io.context(), [this](tcp::socket socket) { accept(std::move(socket)); });
   if (const auto listening = listener->open(spec.listen); !listening) {
     listener.reset();
-    if (!std::exchange(said, true))
+    // A successor on the same machine may be faster than the kernel, which closes the port of the
+    // killed master, so the first failure says nothing.
+    if (++failures == 2)
       log_error(name, fmt::format("{}: the gateway is not served, the bus runs; tried again "
                                   "every {} until it succeeds",
                                   listening.error(), to_text(kTryAgain)));

@@ -16,7 +16,7 @@ namespace fieldcast {
 
 class GatewayServer {
  public:
-  static constexpr Duration kTryAgain = std::chrono::seconds{5};
+  static constexpr Duration kTryAgain = std::chrono::milliseconds{250};
   // A client that does not read its responses is not read either.
   static constexpr std::size_t kMaxUnsent = 16 * 1024;
 
