@@ -78,10 +78,16 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
 std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::string_view key,
                                                      FaultList& faults) const {
   static constexpr std::string_view kForms =
-      "standard, characters such as 3.5c, a duration such as 500us";
+      "standard, characters such as 3.5c, a duration such as 500us, learn, learn 1ms";
+  static constexpr std::string_view kLearn = "learn";
   const std::string* text = scalar_of(node, key, kForms, faults);
   if (text == nullptr) return std::nullopt;
   if (*text == "standard") return StandardSilence{};
+  if (*text == kLearn) return LearnedSilence{};
+  if (text->starts_with(kLearn) && (*text)[kLearn.size()] == ' ') {
+    const auto least = duration_from(std::string_view(*text).substr(kLearn.size() + 1));
+    if (least && *least >= Duration::zero() && *least <= kMaxSilence) return LearnedSilence{*least};
+  }
   if (text->ends_with('c')) {
     const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
     if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters)
@@ -94,14 +100,14 @@ std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::stri
   }
   const std::string meant = number_from(*text)
                                 ? *text + 'c'
-                                : closest(*text, std::array<std::string_view, 1>{"standard"});
+                                : closest(*text, std::array{std::string_view("standard"), kLearn});
   faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), kForms, meant);
   return std::nullopt;
 }
 
 std::string SilenceReader::schema() const {
   return R"({ "type": "string", )"
-         R"("pattern": "^(standard|[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
+         R"("pattern": "^(standard|learn|(learn )?[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
 }
 std::string SilenceReader::form() const { return {}; }
 

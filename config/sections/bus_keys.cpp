@@ -87,8 +87,8 @@ std::vector<Field<BusDefaults>> bus_default_fields() {
   append_flowing(rows, last, devices);
   rows.push_back(field<BusDefaults>(
       {"silence", "standard: 3.5 characters, 1.75 ms above 19200 baud",
-       "between a response and the next request: `standard`, characters as `3.5c`, or a "
-       "duration"},
+       "between a response and the next request: `standard`, characters as `3.5c`, a duration, or "
+       "`learn` ([below](#learned-silence)), with the shortest permitted one as `learn 1ms`"},
       [](BusDefaults& both) -> SilenceRule& { return both.bus.silence; }, SilenceReader{}));
   rows.push_back(field<BusDefaults>(
       {"gap-allowance", "20ms", "silence inside a response that ends it"},

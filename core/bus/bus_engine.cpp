@@ -431,6 +431,7 @@ BusReport BusEngine::bus_report(Instant now) {
   report.measured_load = shares.reading;
   report.planned_load = parts_.reads.planned_load();
   report.stretch = parts_.reads.stretch();
+  report.silence = parts_.wires.front().silence();
   report.listening = state_ == BusState::kRunning && parts_.fence.listening();
   report.foreign_masters = parts_.fence.foreign_masters();
   report.samples = samples_;

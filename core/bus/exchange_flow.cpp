@@ -206,6 +206,7 @@ void OutcomeRouter::learn(const Flight& flight) {
   devices_.learn(device, request, response_time);
   if (std::holds_alternative<ReadRequest>(request) && !setup_.is_ad_hoc(device))
     reads_.learn(device, area_of(request), parts_.in_flight.planned(response_time));
+  reads_.save_silence(parts_.wire().saved_silence());
 }
 
 void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {

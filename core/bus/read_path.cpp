@@ -200,6 +200,8 @@ void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration response_time)
   planned_times_.responded(device, area, response_time, *scheduler_);
 }
 
+void ReadPath::save_silence(Duration saved) { planned_times_.save(saved, *scheduler_); }
+
 void ReadPath::inherit(ChannelIndex channel, Instant acquired) {
   if (channel >= map_.point_of.size() || acquired == kLongAgo) return;
   if (const auto point = map_.point_of[channel]) scheduler_->inherit(*point, acquired);

@@ -64,6 +64,7 @@ class ReadPath {
   void responded(const Block& block, const Reply& reply, Instant acquired, Instant now,
                  ActionSink& sink);
   void learn(DeviceIndex device, AreaIndex area, Duration response_time);
+  void save_silence(Duration saved);  // see PlannedTimes::save()
   // Another bridge last read the channel at `acquired`. REQUIRES: no read yet.
   void inherit(ChannelIndex channel, Instant acquired);
   void inherit(DeviceIndex device, const DeviceReport& learned, Instant now);

@@ -35,8 +35,15 @@ struct CharacterSilence {
   double characters = 3.5;
   friend bool operator==(CharacterSilence, CharacterSilence) = default;
 };
-using SilenceRule = std::variant<StandardSilence, CharacterSilence, Duration>;
+// The standard in plans; the bus learns how much shorter it may be, down to `least`.
+struct LearnedSilence {
+  Duration least{};  // zero: as the line permits, see least_silence()
+  friend bool operator==(LearnedSilence, LearnedSilence) = default;
+};
+using SilenceRule = std::variant<StandardSilence, CharacterSilence, Duration, LearnedSilence>;
 
+// 1.5 characters, which the standard permits inside a frame, and at least 0.3 ms for adapters.
+[[nodiscard]] Duration least_silence(const LearnedSilence& rule, const LineFormat& line);
 [[nodiscard]] Duration silence_of(const SilenceRule& rule, const LineFormat& line);
 
 }  // namespace fieldcast

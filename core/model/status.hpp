@@ -28,6 +28,7 @@ struct BusReport {
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0,
                 bytes_received = 0, reopened = 0;
   double stretch = 1;  // factor on refreshes under overload
+  Duration silence{};  // between a response and the next request: configured, or learned
   // `listening`: does not send (`fence: listen`). `foreign_masters`: heard while sending.
   bool listening = false;
   std::uint64_t foreign_masters = 0;

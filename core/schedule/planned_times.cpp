@@ -1,6 +1,7 @@
 #include "core/schedule/planned_times.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fieldcast {
 namespace {
@@ -43,7 +44,15 @@ std::vector<PlannedTime> PlannedTimes::responded(DeviceIndex device, AreaIndex a
 void PlannedTimes::responded(DeviceIndex device, AreaIndex area, Duration measured,
                              Scheduler& scheduler) {
   for (const PlannedTime& each : responded(device, area, measured))
-    scheduler.set_response_time(each.device, each.area, each.response_time);
+    scheduler.set_response_time(each.device, each.area, each.response_time - saved_);
+}
+
+void PlannedTimes::save(Duration silence, Scheduler& scheduler) {
+  if (silence == std::exchange(saved_, silence)) return;
+  for (DeviceIndex device = 0; device < entries_.size(); ++device) {
+    for (AreaIndex area = 0; area < entries_[device].size(); ++area)
+      scheduler.set_response_time(device, area, entries_[device][area].planned - saved_);
+  }
 }
 
 void PlannedTimes::plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes) {

@@ -27,6 +27,9 @@ class PlannedTimes {
   [[nodiscard]] std::vector<PlannedTime> responded(DeviceIndex device, AreaIndex area,
                                                    Duration measured);
   void responded(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
+  // By how much the learned silence of the wire is shorter than that of the plan. For the plan it
+  // shortens each response time, which may become negative.
+  void save(Duration silence, Scheduler& scheduler);
   // The device may have been replaced.
   void forget(DeviceIndex device);
 
@@ -45,6 +48,7 @@ class PlannedTimes {
   void plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes);
 
   std::vector<std::vector<Entry>> entries_;  // by device and area
+  Duration saved_{};                         // by a learned silence
 };
 
 }  // namespace fieldcast

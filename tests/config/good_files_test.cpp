@@ -200,6 +200,23 @@ TEST_F(Everything, MetricsListenWhereTheyAreConfigured) {
   EXPECT_EQ(spec.metrics, (MetricsSpec{{"192.168.1.20", 9464}}));
 }
 
+TEST(LearnedSilence, HasALeastOneOrNone) {
+  const auto silence_of_text = [](const std::string& text) {
+    const auto loaded = load_text(
+        "bridge: b\nbuses:\n  - { name: x, port: { serial: /dev/a }, protocol: modbus-rtu, "
+        "defaults: { silence: " +
+            text +
+            " }, devices: [{ name: d, address: 1, channels: [{ name: c, at: \"holding:1\", type: "
+            "int16 }] }] "
+            "}\n",
+        "b.yaml", {});
+    EXPECT_TRUE(loaded) << to_text(loaded.error().front());
+    return loaded ? loaded->buses.front().silence : SilenceRule{};
+  };
+  EXPECT_EQ(silence_of_text("learn"), SilenceRule{LearnedSilence{}});
+  EXPECT_EQ(silence_of_text("learn 1ms"), SilenceRule{LearnedSilence{milliseconds{1}}});
+}
+
 TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].silence, SilenceRule{CharacterSilence{4.5}});
   EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});

@@ -17,7 +17,11 @@ Echo echo_of(const BusSpec& bus) {
 Wire::Wire(const BusSetup& setup, Bytes& session)
     : setup_(setup),
       driver_(setup.line(), setup.spec().gap_allowance, echo_of(setup.spec())),
-      session_(session) {}
+      session_(session) {
+  const auto* rule = std::get_if<LearnedSilence>(&setup.spec().silence);
+  if (rule != nullptr && setup.silence() > Duration::zero())
+    learning_.emplace(setup.silence(), least_silence(*rule, setup.line()), setup.devices());
+}
 
 void Wire::launch(Flight flight) {
   assert(!flight_);
@@ -32,6 +36,7 @@ Bytes Wire::send(const Send& with, Instant now) {
   else
     flight_->idle += now - free_at_;
   looked_ = now;
+  rest_ = now - ended_;
   flight_->rest = with.rest;
   asked.context = with.context;
   asked.context.session = &session_;
@@ -88,7 +93,10 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
                     ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
-  free_at_ = std::max(now, driver_.confirmed_until()) + setup_.silence();
+  ended_ = std::max(now, driver_.confirmed_until());
+  if (learning_ && !ended.without_response)
+    learning_->ended(flight_->asked.device, rest_, ended.responded);
+  free_at_ = ended_ + silence();
   spent_ = free_at_ - flight_->started;
   ended.spent = spent_ - flight_->idle;
   if (ended.cause == Cause::kNoResponse || ended.cause == Cause::kTruncated)

@@ -11,6 +11,7 @@
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/wire/exchange_driver.hpp"
 #include "core/bus/wire/pending_responses.hpp"
+#include "core/bus/wire/silence_learning.hpp"
 
 namespace fieldcast {
 
@@ -132,6 +133,13 @@ class Wire {
   void count_stray(std::size_t bytes) { driver_.count_stray(bytes); }
   void stray(Instant now);
   void opened(Instant now) { free_at_ = now + setup_.silence(); }
+  // Between a response and the next request: configured, or learned.
+  [[nodiscard]] Duration silence() const {
+    return learning_ ? learning_->silence() : setup_.silence();
+  }
+
+  // By which the learned silence is shorter than that of the plan.
+  [[nodiscard]] Duration saved_silence() const { return setup_.silence() - silence(); }
 
   [[nodiscard]] bool exchanging() const { return driver_.active(); }
   [[nodiscard]] bool waiting() const { return flight_.has_value() && !driver_.active(); }
@@ -151,6 +159,9 @@ class Wire {
   Bytes& session_;
   std::optional<Flight> flight_;
   Instant free_at_ = kLongAgo;
+  std::optional<SilenceLearning> learning_;
+  Instant ended_ = kLongAgo;       // the last exchange, without its silence
+  Duration rest_{};                // between it and the request
   Instant strays_since_ = kNever;  // while they keep the wire from being free
   std::uint64_t exchanges_ = 0;
   WireLoad load_;

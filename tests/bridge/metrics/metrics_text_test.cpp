@@ -30,6 +30,7 @@ BusFigures press_shop() {
   bus.report.planned_load = 0.5;
   bus.report.measured_load = 0.625;
   bus.report.stretch = 1.25;
+  bus.report.silence = std::chrono::milliseconds{2};
   bus.report.exchanges = 11;
   bus.report.samples = 12;
   bus.report.commands = 13;
@@ -102,6 +103,7 @@ TEST(MetricsText, HasEveryFigureOfABus) {
            R"(fieldcast_bus_planned_load_ratio{bus="press-shop"} 0.5)",
            R"(fieldcast_bus_measured_load_ratio{bus="press-shop"} 0.625)",
            R"(fieldcast_bus_stretch_ratio{bus="press-shop"} 1.25)",
+           R"(fieldcast_bus_silence_seconds{bus="press-shop"} 0.002)",
            R"(fieldcast_bus_exchanges_total{bus="press-shop"} 11)",
            R"(fieldcast_bus_samples_total{bus="press-shop"} 12)",
            R"(fieldcast_bus_commands_total{bus="press-shop"} 13)",

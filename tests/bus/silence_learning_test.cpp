@@ -1,0 +1,116 @@
+#include "core/bus/wire/silence_learning.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kStandardSilence{1750us}, kLeastSilence{300us};
+
+// A busy line: each request follows the last exchange after the learned silence.
+struct BusyLine {
+  std::vector<Duration> needs;  // silence that each device needs before its requests
+  SilenceLearning learning{kStandardSilence, kLeastSilence, needs.size()};
+  unsigned failures = 0;
+
+  void run(unsigned rounds) {
+    for (unsigned round = 0; round < rounds; ++round) {
+      for (DeviceIndex device = 0; device < needs.size(); ++device) ask(device);
+    }
+  }
+  void ask(DeviceIndex device, bool lost = false) {
+    const Duration rest = learning.silence();
+    const bool responded = !lost && rest >= needs[device];
+    if (!responded) ++failures;
+    learning.ended(device, rest, responded);
+  }
+};
+
+TEST(SilenceLearning, BeginsWithTheStandard) {
+  EXPECT_EQ(SilenceLearning(kStandardSilence, kLeastSilence, 1).silence(), kStandardSilence);
+}
+
+TEST(SilenceLearning, KeepsAMarginAboveTheLeast) {
+  BusyLine line{{0us, 0us}};
+  line.run(1000);
+  EXPECT_EQ(line.failures, 0u);
+  EXPECT_GT(line.learning.silence(), kLeastSilence);
+  EXPECT_LT(line.learning.silence(), 2 * kLeastSilence);
+}
+
+TEST(SilenceLearning, IsOneStepLongerThanTheMostDemandingDeviceAccepts) {
+  for (const Duration need :
+       {Duration{350us}, Duration{700us}, Duration{1000us}, Duration{1700us}}) {
+    BusyLine line{{0us, need, 0us}};
+    line.run(5000);
+    EXPECT_GE(line.learning.silence(), std::min(kStandardSilence, Duration(need * 5 / 4)))
+        << need.count();
+    EXPECT_LE(line.failures, 2u) << need.count();
+  }
+}
+
+TEST(SilenceLearning, AStandardBelowTheLeastIsKept) {
+  BusyLine line{{0us}, SilenceLearning(100us, kLeastSilence, 1)};
+  line.run(1000);
+  EXPECT_EQ(line.learning.silence(), 100us);
+}
+
+TEST(SilenceLearning, TheFirstFailureRestoresTheStandardForAWhile) {
+  BusyLine line{{0us, 0us}};
+  line.run(2000);
+  const Duration learned = line.learning.silence();
+  line.ask(0, true);
+  EXPECT_EQ(line.learning.silence(), kStandardSilence);
+  line.run(SilenceLearning::kPatience / 2 - 1);
+  EXPECT_EQ(line.learning.silence(), kStandardSilence);
+  line.run(2);
+  EXPECT_EQ(line.learning.silence(), learned) << "a failure after many responses is noise";
+}
+
+TEST(SilenceLearning, ASecondFailureSoonAfterTheFirstMakesItLonger) {
+  BusyLine line{{0us, 0us}};
+  line.run(600);
+  const Duration learned = line.learning.silence();
+  for (int failure = 0; failure < 2; ++failure) {
+    line.ask(0, true);
+    line.run(SilenceLearning::kPatience / 2 + 1);
+  }
+  EXPECT_GT(line.learning.silence(), learned);
+  EXPECT_LT(line.learning.silence(), kStandardSilence);
+}
+
+TEST(SilenceLearning, WhileADeviceDoesNotRespondTheStandardIsInUse) {
+  BusyLine line{{0us, 10s}};  // the second one is off
+  line.run(5000);
+  EXPECT_EQ(line.learning.silence(), kStandardSilence);
+  line.needs[1] = 700us;  // on, and slower than the other
+  line.run(5000);
+  EXPECT_GE(line.learning.silence(), 700us);
+  EXPECT_LT(line.learning.silence(), kStandardSilence);
+}
+
+TEST(SilenceLearning, AFailureAfterALongRestSaysNothing) {
+  BusyLine line{{0us}};
+  line.run(2000);
+  const Duration learned = line.learning.silence();
+  line.learning.ended(0, 50ms, false);
+  EXPECT_EQ(line.learning.silence(), kStandardSilence) << "until it responds";
+  line.learning.ended(0, 50ms, true);
+  EXPECT_EQ(line.learning.silence(), learned);
+}
+
+TEST(SilenceLearning, DevicesThatAreNotConfiguredSayNothing) {
+  BusyLine line{{0us}};
+  line.run(2000);
+  const Duration learned = line.learning.silence();
+  line.learning.ended(7, learned, true);
+  line.learning.ended(7, learned, false);
+  EXPECT_EQ(line.learning.silence(), learned);
+}
+
+}  // namespace
+}  // namespace fieldcast
