@@ -336,6 +336,15 @@ test('a bus with several protocols is searched for the chosen one', { skip }, as
   await until(async () => /address: 20, protocol: dtc, template/.test(await text(page)), 'the device with its protocol');
 });
 
+test('an overloaded bus shows an engineer the proposals of the bridge', { skip }, async () => {
+  mock.configuration.text = `${firstText.replace('press-shop', 'utilities')}      - { name: second, address: 2 }\n      - { name: third, address: 3 }\n`;
+  const page = await open('#/overview');
+  const card = page.locator('.card.bus', { hasText: 'utilities' });
+  await card.getByRole('button', { name: 'Proposals of the bridge' }).click();
+  await says(page, '.card.bus .remedies', /run the line at 115200 baud or more/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page), ...browser.faults], []);
+});
+
 test('versions tell who and why, show their changes, are downloaded and returned to', { skip }, async () => {
   mock.configuration.put(firstText.replace('unit: °C', 'unit: K'), 'otto', 'kelvin');
   mock.configuration.end('confirmed by otto');
