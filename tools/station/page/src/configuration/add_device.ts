@@ -5,6 +5,7 @@ import type { TemplateResult } from 'lit-html';
 import { bytes } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
+import { serverText } from '../server_text';
 import { badge, errorText } from '../view';
 import * as api from './api';
 import type { FirstValue, Found, Imported, Template } from './api';
@@ -254,7 +255,7 @@ export class AddDevice {
         <tbody>${values.map(({ channel, value, unit, quality, error }) => {
           const good = quality.toLowerCase() === 'good';
           return html`<tr><td>${channel}</td><td class="number">${value === null ? '–' : `${String(value)} ${unit}`}</td>
-            <td>${badge(good ? 'good' : 'bad', error || (good ? t('quality.good') : quality))}</td></tr>`;
+            <td>${badge(good ? 'good' : 'bad', serverText(error) || (good ? t('quality.good') : quality))}</td></tr>`;
         })}</tbody></table></div>`;
   }
 }
