@@ -298,9 +298,7 @@ ConfigurationAgent::Response ConfigurationAgent::probe(const Tree& request, cons
         "add the device to the text first");
   note(caller.name, "read first values", fmt::format("of {} on {}", device, bus));
   const bool runs = ports_.probe(
-      bus,
-      DeviceProbe({*found}, DeviceProbe::Extent::kAllChannels,
-                  ports_.clock().instant + kLongestProbe),
+      bus, DeviceProbe({*found}, ports_.clock().instant + kLongestProbe),
       [later = caller.later, spec = *found](const auto& devices, const UtcMapping& clock) {
         later(devices.empty() ? another_probe() : done(first_values_json(spec, devices[0], clock)));
       });
@@ -324,13 +322,11 @@ ConfigurationAgent::Response ConfigurationAgent::scan(const Tree& request, const
   if (part->devices.empty()) return done(scan_json(*part, {}));
   note(caller.name, "scan",
        fmt::format("addresses {} to {} of {} on {}", *first, *last, printable(protocol), bus));
-  const bool runs =
-      ports_.probe(bus,
-                   DeviceProbe(part->devices, DeviceProbe::Extent::kUntilResponse,
-                               ports_.clock().instant + kLongestProbe),
-                   [later = caller.later, part = *part](const auto& devices, const UtcMapping&) {
-                     later(devices.empty() ? another_probe() : done(scan_json(part, devices)));
-                   });
+  const bool runs = ports_.probe(
+      bus, DeviceProbe(part->devices, ports_.clock().instant + kLongestProbe, part->questions),
+      [later = caller.later, part = *part](const auto& devices, const UtcMapping&) {
+        later(devices.empty() ? another_probe() : done(scan_json(part, devices)));
+      });
   if (!runs) return no_such_bus(bus);
   return std::nullopt;
 }

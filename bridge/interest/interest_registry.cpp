@@ -43,21 +43,57 @@ tl::expected<void, std::string> InterestTable::note(const std::string& station,
   return {};
 }
 
-std::map<ChannelIndex, Duration> InterestTable::interests(const BusSpec& bus) const {
-  struct Match {
-    const Pattern* pattern;
-    Duration refresh;
-  };
-  std::vector<Match> wanted;
+std::vector<InterestTable::Match> InterestTable::matches_of(const BusSpec& bus) const {
+  std::vector<Match> matches;
   for (const auto& [text, interested] : patterns_) {
     if (!interested.pattern.matches(bus.name)) continue;
     const auto shortest = std::ranges::min_element(
         interested.stations, {}, [](const auto& station) { return station.second; });
-    wanted.push_back({&interested.pattern, shortest->second});
+    matches.push_back({&interested.pattern, shortest->second});
   }
-  std::ranges::sort(wanted, {}, &Match::refresh);
+  std::ranges::sort(matches, {}, &Match::refresh);
+  return matches;
+}
+
+InterestTable::InputRefreshes InterestTable::input_refreshes(
+    const std::vector<const BusSpec*>& buses) const {
+  std::map<ChannelPath, const Calculation*> calculations;
+  std::vector<std::pair<ChannelPath, Duration>> pending;
+  for (const BusSpec* bus : buses) {
+    const std::vector<Match> matches = matches_of(*bus);
+    for (const DeviceSpec& device : bus->devices) {
+      for (const ChannelSpec& channel : device.channels) {
+        if (!channel.calculation) continue;
+        const ChannelPath path{bus->name, device.name, channel.name};
+        calculations.emplace(path, channel.calculation.value.get());
+        const auto first = std::ranges::find_if(matches, [&](const Match& one) {
+          return one.pattern->matches(path.bus, path.device, path.channel);
+        });
+        if (first != matches.end()) pending.emplace_back(path, first->refresh);
+      }
+    }
+  }
+  InputRefreshes all;
+  while (!pending.empty()) {
+    const auto [path, refresh] = std::move(pending.back());
+    pending.pop_back();
+    const auto calculation = calculations.find(path);
+    if (calculation == calculations.end()) continue;
+    for (const ChannelPath& input : calculation->second->inputs) {
+      const auto [at, is_new] = all.try_emplace(input, refresh);
+      if (!is_new && at->second <= refresh) continue;
+      at->second = refresh;
+      pending.emplace_back(input, refresh);
+    }
+  }
+  return all;
+}
+
+std::map<ChannelIndex, Duration> InterestTable::interests(const BusSpec& bus,
+                                                          const InputRefreshes& inputs) const {
+  const std::vector<Match> wanted = matches_of(bus);
   std::map<ChannelIndex, Duration> all;
-  if (wanted.empty()) return all;
+  if (wanted.empty() && inputs.empty()) return all;
   ChannelIndex index = 0;
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
@@ -66,7 +102,11 @@ std::map<ChannelIndex, Duration> InterestTable::interests(const BusSpec& bus) co
       const auto first = std::ranges::find_if(wanted, [&](const Match& one) {
         return one.pattern->matches(bus.name, device.name, channel.name);
       });
+      const auto input = inputs.find({bus.name, device.name, channel.name});
       if (first != wanted.end()) all.emplace_hint(all.end(), at, first->refresh);
+      if (input == inputs.end()) continue;
+      const auto known = all.try_emplace(all.end(), at, input->second);
+      known->second = std::min(known->second, input->second);
     }
   }
   return all;
@@ -80,7 +120,7 @@ InterestTable::Reach InterestTable::reach(const Pattern& pattern, const BusSpec&
     for (const ChannelSpec& channel : device.channels) {
       if (!pattern.matches(bus.name, device.name, channel.name)) continue;
       ++reach.channels;
-      reach.on_interest += channel.on_interest ? 1 : 0;
+      reach.on_interest += channel.on_interest || channel.calculation ? 1 : 0;
     }
   }
   return reach;
@@ -177,15 +217,17 @@ void InterestRegistry::run() {
     const InterestTable table = table_;
     const Buses buses = buses_;
     lock.unlock();
-    for (const auto& [name, bus] : buses) update(table, *bus);
+    std::vector<const BusSpec*> specs;
+    for (const auto& [name, bus] : buses) specs.push_back(&bus->spec);
+    const InterestTable::InputRefreshes inputs = table.input_refreshes(specs);
+    for (const auto& [name, bus] : buses) update(table.interests(bus->spec, inputs), *bus);
     remark_on(added, buses);
     lock.lock();
     changed_.wait_for(lock, kPace, [this] { return ending_; });
   }
 }
 
-void InterestRegistry::update(const InterestTable& table, Bus& bus) {
-  auto interests = table.interests(bus.spec);
+void InterestRegistry::update(std::map<ChannelIndex, Duration> interests, Bus& bus) {
   auto changed = changes(bus.known, interests);
   bus.known = std::move(interests);
   const std::lock_guard lock(bus.mutex);

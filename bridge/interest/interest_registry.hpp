@@ -38,8 +38,15 @@ class InterestTable {
                                                      const std::string& pattern,
                                                      std::optional<Duration> refresh);
 
-  // Returns the refresh of every on-interest channel with an interested station.
-  [[nodiscard]] std::map<ChannelIndex, Duration> interests(const BusSpec& bus) const;
+  // Shortest refreshes of inputs of calculated channels with an interested station, and of the
+  // inputs of these inputs. `buses`: all of the bridge.
+  using InputRefreshes = std::map<ChannelPath, Duration>;
+  [[nodiscard]] InputRefreshes input_refreshes(const std::vector<const BusSpec*>& buses) const;
+
+  // Returns the refresh of every on-interest channel with an interested station, or that is one of
+  // these inputs.
+  [[nodiscard]] std::map<ChannelIndex, Duration> interests(const BusSpec& bus,
+                                                           const InputRefreshes& inputs = {}) const;
 
   struct NewInterest {
     std::string station;
@@ -47,7 +54,8 @@ class InterestTable {
   };
   [[nodiscard]] std::vector<NewInterest> take_new() { return std::exchange(new_, {}); }
 
-  // Number of channels of a bus that a pattern matches, and how many of them are read on interest.
+  // Number of channels of a bus that a pattern matches, and how many of them are read on interest
+  // or calculated, so that their inputs may be.
   struct Reach {
     std::size_t channels = 0, on_interest = 0;
     Reach& operator+=(const Reach& more) {
@@ -62,6 +70,13 @@ class InterestTable {
     Pattern pattern;
     std::map<std::string, Duration> stations;
   };
+  struct Match {
+    const Pattern* pattern;
+    Duration refresh;
+  };
+  // Patterns that may match channels of the bus, the shortest refresh first.
+  [[nodiscard]] std::vector<Match> matches_of(const BusSpec& bus) const;
+
   std::map<std::string, Interested> patterns_;  // by the pattern's text; none is without stations
   std::size_t count_ = 0;
   std::vector<NewInterest> new_;
@@ -106,7 +121,7 @@ class InterestRegistry {
   };
   using Buses = std::map<std::string, std::shared_ptr<Bus>, std::less<>>;
   void run();
-  static void update(const InterestTable& table, Bus& bus);
+  static void update(std::map<ChannelIndex, Duration> interests, Bus& bus);
   void remark_on(const std::vector<InterestTable::NewInterest>& added, const Buses& buses);
 
   std::function<void(std::string)> remark_;

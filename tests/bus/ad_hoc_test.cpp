@@ -45,8 +45,8 @@ struct Newcomer {
   }
   // Probes the devices to the end, as the bridge does.
   std::vector<ProbedDevice> probe(std::vector<DeviceSpec> devices, Duration limit,
-                                  DeviceProbe::Extent extent = DeviceProbe::Extent::kAllChannels) {
-    DeviceProbe probe(std::move(devices), extent, bus.now() + limit);
+                                  std::size_t questions = 0) {
+    DeviceProbe probe(std::move(devices), bus.now() + limit, questions);
     while (const auto command = probe.next()) {
       bus.command(*command);
       const std::uint64_t id = bus.commands_sent();
@@ -99,7 +99,7 @@ TEST(AdHoc, ASearchOfSilentAddressesCostsNoRefresh) {
   for (std::uint16_t address = 11; address < 26; ++address)
     devices.push_back(plant.at_address(address));
   devices.push_back(plant.device);
-  const auto probed = plant.probe(devices, 300s, DeviceProbe::Extent::kUntilResponse);
+  const auto probed = plant.probe(devices, 300s, 2);
   ASSERT_EQ(probed.size(), 16u);
   for (std::size_t i = 0; i < 15; ++i) {
     ASSERT_EQ(probed[i].channels.size(), DeviceProbe::kMostSilent) << probed[i].name;
@@ -209,9 +209,7 @@ TEST(AdHoc, TheSameAddressCanBeReadAgainWithOtherChannels) {
 TEST(AdHoc, AClosedPortAndAStopEndTheProbe) {
   Newcomer plant("refresh: 1s");
   plant.remove();
-  Command read =
-      *DeviceProbe({plant.at_address(9)}, DeviceProbe::Extent::kAllChannels, plant.bus.now() + 60s)
-           .next();
+  Command read = *DeviceProbe({plant.at_address(9)}, plant.bus.now() + 60s).next();
   plant.bus.command(read);
   plant.bus.stop();
   const auto& results = plant.bus.results().at(plant.bus.commands_sent());

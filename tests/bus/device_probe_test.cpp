@@ -8,7 +8,6 @@ namespace fieldcast {
 namespace {
 
 using namespace std::chrono_literals;
-using Extent = DeviceProbe::Extent;
 
 constexpr Instant kLimit{5s};
 
@@ -42,7 +41,7 @@ std::vector<std::string> run(DeviceProbe& probe, Cause cause) {
 }
 
 TEST(DeviceProbe, ReadsEachChannelOfEachDevice) {
-  DeviceProbe probe(test::rtu_bus(2).devices, Extent::kAllChannels, kLimit);
+  DeviceProbe probe(test::rtu_bus(2).devices, kLimit);
   EXPECT_EQ(run(probe, Cause::kNone),
             (std::vector<std::string>{"unit-1/r0", "unit-1/r1", "unit-1/r2", "unit-1/r3",
                                       "unit-2/r0", "unit-2/r1", "unit-2/r2", "unit-2/r3"}));
@@ -53,18 +52,34 @@ TEST(DeviceProbe, ReadsEachChannelOfEachDevice) {
 }
 
 TEST(DeviceProbe, LeavesASilentDeviceAndADeviceThatHasResponded) {
-  DeviceProbe silent(test::rtu_bus(2).devices, Extent::kAllChannels, kLimit);
+  DeviceProbe silent(test::rtu_bus(2).devices, kLimit);
   EXPECT_EQ(run(silent, Cause::kNoResponse),
             (std::vector<std::string>{"unit-1/r0", "unit-1/r1", "unit-2/r0", "unit-2/r1"}));
-  DeviceProbe refusing(test::rtu_bus(2).devices, Extent::kUntilResponse, kLimit);
+  DeviceProbe refusing(test::rtu_bus(2).devices, kLimit, 4);
   EXPECT_EQ(run(refusing, Cause::kDeviceError),
             (std::vector<std::string>{"unit-1/r0", "unit-2/r0"}));
   EXPECT_TRUE(refusing.devices().front().channels.front().responded);
 }
 
+// The first two of the four channels are questions.
+TEST(DeviceProbe, ReadsTheChannelsBehindTheQuestionsOfADeviceThatResponds) {
+  const auto devices = test::rtu_bus(1).devices;
+  DeviceProbe responding(devices, kLimit, 2);
+  EXPECT_EQ(run(responding, Cause::kNone),
+            (std::vector<std::string>{"unit-1/r0", "unit-1/r2", "unit-1/r3"}));
+  DeviceProbe refusing(devices, kLimit, 2);
+  EXPECT_EQ(run(refusing, Cause::kDeviceError),
+            (std::vector<std::string>{"unit-1/r0", "unit-1/r2"}))
+      << "a refused identity ends there";
+  for (const Cause cause : {Cause::kNoResponse, Cause::kChecksum}) {
+    DeviceProbe silent(devices, kLimit, 2);
+    EXPECT_EQ(run(silent, cause), (std::vector<std::string>{"unit-1/r0", "unit-1/r1"}));
+  }
+}
+
 TEST(DeviceProbe, EndsWhenTheBusCannotSend) {
   for (const Cause cause : {Cause::kExpired, Cause::kLeased, Cause::kShutdown, Cause::kOffline}) {
-    DeviceProbe probe(test::rtu_bus(2).devices, Extent::kAllChannels, kLimit);
+    DeviceProbe probe(test::rtu_bus(2).devices, kLimit);
     EXPECT_EQ(run(probe, cause), std::vector<std::string>{"unit-1/r0"}) << to_text(cause);
     EXPECT_EQ(probe.devices().size(), 1u);
   }
@@ -72,12 +87,12 @@ TEST(DeviceProbe, EndsWhenTheBusCannotSend) {
 
 TEST(DeviceProbe, IsBounded) {
   BusSpec bus = test::rtu_bus(100);
-  DeviceProbe probe(bus.devices, Extent::kUntilResponse, kLimit);
+  DeviceProbe probe(bus.devices, kLimit, 4);
   EXPECT_EQ(run(probe, Cause::kNone).size(), DeviceProbe::kMostDevices);
   bus.devices.front().channels.resize(500, bus.devices.front().channels.front());
-  DeviceProbe long_device({bus.devices.front()}, Extent::kAllChannels, kLimit);
+  DeviceProbe long_device({bus.devices.front()}, kLimit);
   EXPECT_EQ(run(long_device, Cause::kNone).size(), DeviceProbe::kMostChannels);
-  EXPECT_FALSE(DeviceProbe({}, Extent::kAllChannels, kLimit).next());
+  EXPECT_FALSE(DeviceProbe({}, kLimit).next());
 }
 
 }  // namespace

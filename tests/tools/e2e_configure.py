@@ -246,7 +246,8 @@ class NewDevice(unittest.TestCase):
             status, part = self.post("scan", bus="line", protocol="modbus-rtu", first=str(part["next"]), last="20")
             self.assertEqual((status, part["error"]), (200, ""), part)
             found += part["found"]
-        self.assertEqual([(row["address"], row["responded"]) for row in found], [("7", True)], found)
+        self.assertEqual([(row["address"], row["responded"], row["identity"], row["templates"]) for row in found],
+                         [("7", True, "Fieldcast, simulated device, 1.0", [])], found)
         time.sleep(2)
         self.assertEqual(self.misses(), before)
         self.assertEqual(self.post("scan", bus="line", protocol="dtc", first="1", last="2")[0], 400)

@@ -19,8 +19,8 @@ bool is_one_of(std::span<const Cause> causes, Cause cause) {
 
 }  // namespace
 
-DeviceProbe::DeviceProbe(std::vector<DeviceSpec> devices, Extent extent, Instant expires)
-    : extent_(extent), expires_(expires) {
+DeviceProbe::DeviceProbe(std::vector<DeviceSpec> devices, Instant expires, std::size_t questions)
+    : expires_(expires), questions_(questions) {
   devices.resize(std::min(devices.size(), kMostDevices));
   for (DeviceSpec& device : devices) {
     device.channels.resize(std::min(device.channels.size(), kMostChannels));
@@ -37,7 +37,7 @@ std::optional<Command> DeviceProbe::next() const {
   command.requester = "first values";
   command.request_id = requests_ + 1;
   command.device = spec->name;
-  command.target = ChannelTarget{spec->channels[probed_.back().channels.size()].name};
+  command.target = ChannelTarget{spec->channels[channel_].name};
   command.operation = Operation::kAcquire;
   command.expires = expires_;
   command.ad_hoc = spec;
@@ -49,7 +49,7 @@ void DeviceProbe::on_result(const CommandResult& result) {
   ProbedDevice& device = probed_.back();
   const DeviceSpec& spec = *specs_[probed_.size() - 1];
   ProbedChannel channel;
-  channel.name = spec.channels[device.channels.size()].name;
+  channel.name = spec.channels[channel_].name;
   if (!result.values.empty()) channel.value = result.values.front();
   channel.cause = result.cause;
   channel.reason = result.reason;
@@ -60,7 +60,10 @@ void DeviceProbe::on_result(const CommandResult& result) {
   channel.took = result.completed - result.started;
   device.channels.push_back(std::move(channel));
   ended_ = ends_probe(result.cause);
-  if (ended_ || !leaves_device(device)) return;
+  if (ended_) return;
+  const auto following = channel_after(device);
+  channel_ = following.value_or(0);
+  if (following) return;
   if (probed_.size() == specs_.size())
     ended_ = true;
   else
@@ -69,12 +72,18 @@ void DeviceProbe::on_result(const CommandResult& result) {
 
 bool DeviceProbe::ends_probe(Cause cause) { return is_one_of(kOfBus, cause); }
 
-bool DeviceProbe::leaves_device(const ProbedDevice& device) const {
-  if (device.channels.size() == specs_[probed_.size() - 1]->channels.size()) return true;
+std::optional<std::size_t> DeviceProbe::channel_after(const ProbedDevice& device) const {
   const bool responds = std::ranges::any_of(device.channels, &ProbedChannel::responded);
-  if (responds) return extent_ == Extent::kUntilResponse;
-  return std::ranges::count(device.channels, Cause::kNoResponse, &ProbedChannel::cause) >=
-         static_cast<std::ptrdiff_t>(kMostSilent);
+  const bool is_silent =
+      std::ranges::count(device.channels, Cause::kNoResponse, &ProbedChannel::cause) >=
+      static_cast<std::ptrdiff_t>(kMostSilent);
+  const bool is_question = channel_ < questions_;
+  std::size_t following = channel_ + 1;
+  if (is_question && responds) following = questions_;
+  const bool ends = responds ? questions_ > 0 && !is_question && !device.channels.back().value
+                             : is_silent || following == questions_;
+  if (ends || following >= specs_[probed_.size() - 1]->channels.size()) return std::nullopt;
+  return following;
 }
 
 }  // namespace fieldcast

@@ -34,10 +34,10 @@ class DeviceProbe {
   // Requests without a response, after which a device that has never responded is left.
   static constexpr std::size_t kMostSilent = 2;
 
-  // kUntilResponse: the other channels of a device that has responded are left out.
-  enum class Extent : std::uint8_t { kAllChannels, kUntilResponse };
-  // `expires`: latest start of a request.
-  DeviceProbe(std::vector<DeviceSpec> devices, Extent extent, Instant expires);
+  // `expires`: latest start of a request. `questions`: number of first channels of each device that
+  // only show whether it responds. The first response ends them; the channels behind them follow,
+  // up to one without a value.
+  DeviceProbe(std::vector<DeviceSpec> devices, Instant expires, std::size_t questions = 0);
 
   // Empty at the end of the probe. The same command until its result. `request_id` counts from 1.
   [[nodiscard]] std::optional<Command> next() const;
@@ -48,12 +48,14 @@ class DeviceProbe {
   [[nodiscard]] static bool ends_probe(Cause cause);
 
  private:
-  [[nodiscard]] bool leaves_device(const ProbedDevice& device) const;
+  // The channel behind the last one; empty if the device is left.
+  [[nodiscard]] std::optional<std::size_t> channel_after(const ProbedDevice& device) const;
 
   std::vector<std::shared_ptr<const DeviceSpec>> specs_;
-  Extent extent_;
   Instant expires_;
+  std::size_t questions_;
   std::vector<ProbedDevice> probed_;
+  std::size_t channel_ = 0;  // the next one of the last device
   std::uint64_t requests_ = 0;
   bool ended_ = false;  // nothing more can be sent
 };

@@ -12,11 +12,12 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, file:F:R, id:N, fifo:N, or a reference 00001.., 10001.., 30001.., 40001.. "
+    "and BIT 0..15, file:F:R, id:N, id:basic, fifo:N, or a reference 00001.., 10001.., 30001.., "
+    "40001.. "
     "(counted from 1)";
 constexpr std::string_view kRecordAllowed =
     "file:F:R, file:F:R.BIT with F 1..65535, R 0..9999 and BIT 0..15";
-constexpr std::string_view kObjectAllowed = "id:N with N 0..6 or 128..255";
+constexpr std::string_view kObjectAllowed = "id:N with N 0..6 or 128..255, or id:basic";
 constexpr std::string_view kQueueAllowed =
     "fifo:N (count of the queue), fifo:N:P, fifo:N:P.BIT with N 0..65535, P 1..31 and BIT 0..15";
 
@@ -122,8 +123,8 @@ ParsedOrFault parse_record(std::string_view rest) {
 
 // "0": vendor. Objects 7..127 are reserved (V1.1b3, 6.21).
 ParsedOrFault parse_object(std::string_view rest) {
-  const auto object = number(rest);
-  if (!object || *object >= kObjects || (*object > 6 && *object < 128))
+  const auto object = rest == "basic" ? std::optional(kBasicObjects) : number(rest);
+  if (!object || *object >= kObjects || (*object > 6 && *object < 128 && rest != "basic"))
     return object_fault("object " + in_quotes(rest) + " is not 0..6 or 128..255", "id:0");
   ParsedAddress parsed = address(Table::kIdentity, *object * kObjectCharacters);
   parsed.text_characters = kObjectCharacters;

@@ -26,6 +26,8 @@ inline constexpr std::uint32_t kFiles = 65536;
 // carries no longer text.
 inline constexpr std::uint16_t kObjectCharacters = 244;
 inline constexpr std::uint32_t kObjects = 256;
+// A reserved object: the basic ones (vendor, product code, revision) as one text, joined by commas.
+inline constexpr std::uint32_t kBasicObjects = 127;
 // A queue is a bank of the area `fifo`: its count, then the registers in their order (6.18).
 inline constexpr std::uint16_t kMaxQueued = 31;
 inline constexpr std::uint16_t kQueueItems = kMaxQueued + 1;
@@ -75,8 +77,8 @@ inline constexpr std::uint16_t kQueueItems = kMaxQueued + 1;
 
 // "coil:3", "input:3" or "discrete-input:3", "holding:0x64", "input-register:100", "holding:100.5",
 // and the references 00001, 10001, 30001, 40001 (or 000001 .. 465536), which count from 1;
-// "file:4:7" (file, record), "file:4:7.3", "id:0" (object), "fifo:1246" (count of the queue),
-// "fifo:1246:1" (its first register).
+// "file:4:7" (file, record), "file:4:7.3", "id:0" (object), "id:basic", "fifo:1246" (count of the
+// queue), "fifo:1246:1" (its first register).
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at);
 
 }  // namespace fieldcast::modbus

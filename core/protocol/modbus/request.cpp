@@ -263,18 +263,14 @@ RequestPdu::RequestPdu(const Request& request, const Options& options) {
   }
 }
 
-RequestPdu RequestPdu::basic_identity() {
-  RequestPdu request;
-  append_identity(request.pdu_, IdentityCode::kBasic, 0);
-  request.response_size_ = kMaxPdu;
-  return request;
-}
-
 void RequestPdu::append_read(const ReadRequest& read) {
   read_ = read.ranges.back();
   const Function function = function_of(read_);
-  if (function == Function::kIdentification)
-    return append_identity(pdu_, IdentityCode::kIndividual, read_.first / kObjectCharacters);
+  if (function == Function::kIdentification) {
+    const std::uint32_t object = read_.first / kObjectCharacters;
+    return object == kBasicObjects ? append_identity(pdu_, IdentityCode::kBasic, 0)
+                                   : append_identity(pdu_, IdentityCode::kIndividual, object);
+  }
   pdu_.push_back(static_cast<std::uint8_t>(function));
   if (function == Function::kReadFifo)
     return append_u16(pdu_, static_cast<std::uint16_t>(read_.first / kQueueItems));
@@ -302,7 +298,7 @@ bool RequestPdu::fits_groups(ByteView response) const {
 bool RequestPdu::fits_objects(ByteView response) const {
   if (response.size() < kObjectsAt || identity_size(response) != response.size()) return false;
   if (response[2] != pdu_[2]) return false;
-  const bool basic = read_.count == 0;
+  const bool basic = read_.first / kObjectCharacters == kBasicObjects;
   return basic || (response[kObjectsAt - 1] == 1 && response[kObjectsAt] == pdu_[3]);
 }
 
@@ -363,13 +359,13 @@ Reply RequestPdu::unpack_groups(ByteView response) const {
 
 // The items behind the end of a text are 0.
 Reply RequestPdu::unpack_objects(ByteView response) const {
-  Reply reply;
+  Reply reply(1);
+  Bytes& items = reply.front().items;
   for (std::size_t at = kObjectsAt; at < response.size(); at += std::size_t{2} + response[at + 1]) {
     const ByteView text = response.subspan(at + 2, response[at + 1]);
-    reply.emplace_back().items.assign(text.begin(), text.end());
+    if (!items.empty() && !text.empty()) append(items, Bytes{',', ' '});
+    append(items, text);
   }
-  if (read_.count == 0) return reply;
-  Bytes& items = reply.front().items;
   items.resize(kObjectCharacters);
   const auto from = items.begin() + read_.first % kObjectCharacters;
   items = Bytes(from, from + read_.count);

@@ -110,7 +110,8 @@ struct PduSizes {
   std::size_t response = 0;  // of the longest response, if they differ in length
 };
 
-// Read Device ID code of function 43/14: three objects in one response, or the requested one.
+// Read Device ID code of function 43/14: three objects in one response, or the requested one. A
+// device without individual access supports only the first one (V1.1b3, 6.21).
 enum class IdentityCode : std::uint8_t { kBasic = 1, kIndividual = 4 };
 
 // Empty if the request exceeds a limit or these functions do not support it. Does not allocate.
@@ -129,8 +130,6 @@ class RequestPdu {
  public:
   // REQUIRES: pdu_sizes(request, options) holds a value.
   RequestPdu(const Request& request, const Options& options);
-  // Reads the basic objects of the identification. The reply has an entry for each, of its text.
-  [[nodiscard]] static RequestPdu basic_identity();
 
   [[nodiscard]] ByteView pdu() const { return pdu_; }
   [[nodiscard]] std::size_t response_size() const { return response_size_; }
@@ -145,7 +144,6 @@ class RequestPdu {
   [[nodiscard]] Reply unpack(ByteView response) const;
 
  private:
-  RequestPdu() = default;
   void append_read(const ReadRequest& read);
   [[nodiscard]] bool is(Function function) const { return pdu_[0] == static_cast<int>(function); }
   // The groups of function 20.

@@ -136,7 +136,7 @@ TEST_F(BusRunnerTest, AProbeEndsOnce) {
   const auto probe = [&](const DeviceSpec& spec) {
     auto ended = std::make_shared<std::promise<Results>>();
     const Instant limit = steady_now() + std::chrono::seconds{30};
-    EXPECT_TRUE(runner->probe(DeviceProbe({spec}, DeviceProbe::Extent::kAllChannels, limit),
+    EXPECT_TRUE(runner->probe(DeviceProbe({spec}, limit),
                               [ended](const Results& devices, const UtcMapping&) {
                                 ended->set_value(devices);  // throws if it is called twice
                               }));

@@ -50,8 +50,38 @@ TEST(LineScan, RequestsTheAddressesThatNoDeviceOfTheBusHas) {
   EXPECT_FALSE(part->next);
   const DeviceSpec& device = part->devices.front();
   EXPECT_EQ(device.timeout, 70ms);
-  ASSERT_EQ(device.channels.size(), 2u) << "a device may ignore an area that it does not have";
+  EXPECT_EQ(part->questions, 2u) << "a device may ignore an area that it does not have";
+  ASSERT_EQ(device.channels.size(), 3u);
   EXPECT_NE(device.channels[0].range.area, device.channels[1].range.area);
+  EXPECT_EQ(device.channels[2].at, "id:basic");
+}
+
+// A value of a type that is longer than its items would end the bridge.
+TEST(LineScan, EachValueFitsItsItems) {
+  for (const char* protocol : {"modbus-rtu", "mitsubishi-fx", "s7-ppi", "omron-hostlink"}) {
+    BusSpec bus = test::rtu_bus(1);
+    bus.devices[0].protocol = protocol;
+    const auto part = scan_part(bus, protocol, 2, 2);
+    ASSERT_TRUE(part) << part.error();
+    const DeviceSpec& device = part->devices.at(0);
+    const auto made = make_protocol(device, {});
+    for (const ChannelSpec& channel : device.channels)
+      EXPECT_LE(item_count(channel.encoding, (*made)->areas()[channel.range.area].item_bits),
+                channel.range.count)
+          << protocol << ' ' << channel.at;
+  }
+}
+
+TEST(LineScan, ShowsTheIdentity) {
+  const auto part = scan_part(test::rtu_bus(1), "modbus-rtu", 2, 3);
+  ProbedDevice named = probed({Cause::kNone});
+  ProbedChannel& identity = named.channels.emplace_back();
+  identity.name = "id:basic";
+  identity.value = Value{std::string("Siemens AG, PAC3200, 2.1\x1b")};
+  const json found = shown(*part, {named, probed({Cause::kNone, Cause::kExpired})});
+  EXPECT_EQ(found["found"][0]["identity"], "Siemens AG, PAC3200, 2.1\\x1B");
+  EXPECT_EQ(found["found"][1]["identity"], "");
+  EXPECT_TRUE(found["next"].is_null()) << "the device was found, although no time was left";
 }
 
 TEST(LineScan, GoesOnAfterSixteenAddresses) {
@@ -81,7 +111,8 @@ TEST(LineScan, ShowsWhateverIsNotSilent) {
                                      {"protocol", "modbus-rtu"},
                                      {"response", "input-register:0 = 17"},
                                      {"responded", true},
-                                     {"took_ms", 12}}));
+                                     {"took_ms", 12},
+                                     {"identity", ""}}));
   EXPECT_EQ(found["found"][1]["address"], "4");
   EXPECT_EQ(found["found"][2]["responded"], false);
 }

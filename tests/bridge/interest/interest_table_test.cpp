@@ -51,6 +51,42 @@ TEST(InterestTable, ANewRefreshReplacesTheOld) {
   EXPECT_EQ(table.interests(press_shop()), (Interests{{0, milliseconds{900}}}));
 }
 
+// press-shop/press-1/load is calculated of oil and mill/m/power, the latter of mill/m/current.
+TEST(InterestTable, TheInterestInACalculatedChannelIsOneInItsInputs) {
+  const auto calculated = [](const char* name, std::vector<ChannelPath> inputs) {
+    ChannelSpec channel;
+    channel.name = name;
+    channel.calculation.value =
+        std::make_shared<Calculation>(Calculation{"", std::move(inputs), "", {}});
+    return channel;
+  };
+  BusSpec shop = press_shop(), mill;
+  shop.devices[0].channels.push_back(
+      calculated("load", {{"press-shop", "press-1", "oil"}, {"mill", "m", "power"}}));
+  mill.name = "mill";
+  DeviceSpec& m = mill.devices.emplace_back();
+  m.name = "m";
+  m.channels.push_back(calculated("power", {{"mill", "m", "current"}}));
+  ChannelSpec& current = m.channels.emplace_back();
+  current.name = "current";
+  current.on_interest = true;
+
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "press-shop/press-1/load", milliseconds{300}));
+  auto inputs = table.input_refreshes({&shop, &mill});
+  EXPECT_EQ(table.interests(shop, inputs), (Interests{{0, milliseconds{300}}}));
+  EXPECT_EQ(table.interests(mill, inputs), (Interests{{1, milliseconds{300}}}));
+  ASSERT_TRUE(table.note("b", "mill", milliseconds{200}));
+  ASSERT_TRUE(table.note("c", "press-shop/press-1/oil", milliseconds{100}));
+  inputs = table.input_refreshes({&shop, &mill});
+  EXPECT_EQ(table.interests(shop, inputs), (Interests{{0, milliseconds{100}}}));
+  EXPECT_EQ(table.interests(mill, inputs), (Interests{{1, milliseconds{200}}}));
+  ASSERT_TRUE(table.note("a", "press-shop/press-1/load", std::nullopt));
+  inputs = table.input_refreshes({&shop, &mill});
+  EXPECT_EQ(table.interests(shop, inputs), (Interests{{0, milliseconds{100}}}));
+  EXPECT_EQ(InterestTable::reach(*Pattern::parse("press-shop/press-1/load"), shop).on_interest, 1u);
+}
+
 TEST(InterestTable, OtherBusesAreNotMeant) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "mill/*/*", milliseconds{100}));

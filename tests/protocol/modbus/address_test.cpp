@@ -50,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Records, Notation,
 INSTANTIATE_TEST_SUITE_P(Objects, Notation,
                          testing::Values(Case{"id:0", Table::kIdentity, 0},
                                          Case{"id:6", Table::kIdentity, 6 * 244},
+                                         Case{"id:basic", Table::kIdentity, 127 * 244},
                                          Case{"id:0xFF", Table::kIdentity, 255 * 244}));
 INSTANTIATE_TEST_SUITE_P(Queues, Notation,
                          testing::Values(Case{"fifo:1246", Table::kFifo, 1246 * 32},

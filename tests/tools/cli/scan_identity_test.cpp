@@ -15,63 +15,21 @@ std::unique_ptr<Exchange> identity_of(std::string_view protocol, std::uint16_t a
   return identity_exchange({.protocol = {find_protocol(protocol), {}}}, address);
 }
 
-TEST(ScanIdentity, ModbusDevicesNameThemselves) {
-  // The example of Modbus Application Protocol V1.1b3, 6.21.
-  const std::string vendor = "Company identification", product = "Product code XX",
-                    version = "V2.11";
-  Bytes answer{5, 0x2B, 0x0E, 1, 1, 0, 0, 3};
-  std::uint8_t id = 0;
-  for (const auto& text : {vendor, product, version}) {
-    answer.push_back(id++);
-    answer.push_back(static_cast<std::uint8_t>(text.size()));
-    answer.insert(answer.end(), text.begin(), text.end());
-  }
-  const std::uint16_t crc = crc16_modbus(answer);
-  answer.push_back(static_cast<std::uint8_t>(crc));
-  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
-
-  const auto exchange = identity_of("modbus-rtu", 5);
-  Bytes out;
-  EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
-  EXPECT_EQ(to_hex(ByteView(out).first(5)), "05 2B 0E 01 00");
-  for (std::size_t size = 1; size < answer.size(); ++size)
-    EXPECT_EQ(exchange->on_bytes(ByteView(answer).first(size), out).kind, Step::Kind::kNeedMore);
-  ASSERT_EQ(exchange->on_bytes(answer, out).kind, Step::Kind::kDone);
-  const Bytes& items = exchange->reply().front().items;
-  EXPECT_EQ(std::string(items.begin(), items.end()), vendor + ", " + product + ", " + version);
-}
-
 TEST(ScanIdentity, NothingThatComesBreaksIt) {
   std::uint32_t random = 1;
-  for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"}) {
-    for (unsigned run = 0; run < 3000; ++run) {
-      const auto exchange = identity_of(protocol, 5);
-      Bytes out, bytes;
-      (void)exchange->start(out);
-      for (unsigned i = 0; i < 40; ++i) {
-        random = random * 1664525 + 1013904223;
-        bytes.push_back(i < 3 && (random >> 30) != 0 ? out[i]
-                                                     : static_cast<std::uint8_t>(random >> 24));
-      }
-      if (exchange->on_bytes(bytes, out).kind == Step::Kind::kDone) {
-        EXPECT_EQ(exchange->reply().size(), 1u);
-      }
+  for (unsigned run = 0; run < 3000; ++run) {
+    const auto exchange = identity_of("omron-hostlink", 5);
+    Bytes out, bytes;
+    (void)exchange->start(out);
+    for (unsigned i = 0; i < 40; ++i) {
+      random = random * 1664525 + 1013904223;
+      bytes.push_back(i < 3 && (random >> 30) != 0 ? out[i]
+                                                   : static_cast<std::uint8_t>(random >> 24));
+    }
+    if (exchange->on_bytes(bytes, out).kind == Step::Kind::kDone) {
+      EXPECT_EQ(exchange->reply().size(), 1u);
     }
   }
-}
-
-TEST(ScanIdentity, ARefusalIsNotAName) {
-  Bytes answer{5, 0xAB, 1};
-  const std::uint16_t crc = crc16_modbus(answer);
-  answer.push_back(static_cast<std::uint8_t>(crc));
-  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
-  const auto exchange = identity_of("modbus-rtu", 5);
-  Bytes out;
-  (void)exchange->start(out);
-  const Step step = exchange->on_bytes(answer, out);
-  EXPECT_EQ(step.kind, Step::Kind::kFailed);
-  EXPECT_EQ(step.cause, Cause::kDeviceError);
-  EXPECT_EQ(identity_of("s7-ppi", 5), nullptr);
 }
 
 std::string hostlink_frame(const std::string& body) {
@@ -139,36 +97,6 @@ TEST(ScanIdentity, TheModelStaysWhereFinsHasNoResponse) {
   Bytes out;
   (void)refused->start(out);
   EXPECT_EQ(refused->on_bytes(bytes_of(hostlink_frame("@00MM21")), out).device_code, 0x21);
-}
-
-TEST(ScanTemplates, TheIdentityOfADeviceChoosesThem) {
-  const auto heads = template_heads(config::disk_reader(), config::default_options());
-  EXPECT_GT(heads.size(), 40u);
-  const auto of = [&](std::string_view identity, std::string_view protocol = "modbus-rtu") {
-    return matching_templates(identity, protocol, heads);
-  };
-  EXPECT_THAT(of("Siemens AG, SENTRON PAC3200, 2.1"), ElementsAre("siemens-pac3200"));
-  EXPECT_THAT(of("Schneider Electric, PM5340, V1.05"), ElementsAre("schneider-pm5000"));
-  EXPECT_THAT(of("CARLO GAVAZZI, EM24DINAV93XISX"), ElementsAre("carlo-gavazzi-em24"));
-  EXPECT_THAT(of("Carlo Gavazzi, EM24DINAV23XE1", "modbus-tcp"),
-              ElementsAre("carlo-gavazzi-em24-ethernet"));
-  EXPECT_THAT(of("Huawei, SUN2000"), ElementsAre("huawei-sun2000", "huawei-sun2000-storage"));
-  EXPECT_THAT(of("Siemens AG, PAC3200", "s7-ppi"), IsEmpty())
-      << "the template has no such protocol";
-  EXPECT_THAT(of("Other, PM5340"), IsEmpty()) << "another maker";
-  EXPECT_THAT(of("Siemens AG, S7-1200"), IsEmpty()) << "the maker alone";
-  EXPECT_THAT(of("Chint, DTSU666H"), ElementsAre("chint-dtsu666"));
-  EXPECT_THAT(of(""), IsEmpty());
-}
-
-TEST(ScanTemplates, AHeadIsReadFromTheText) {
-  const auto head = template_head("x",
-                                  "# Device:  Acme X100; not the Y200\r\ndescription: A meter\n"
-                                  "protocols: [modbus-rtu, s7-ppi]\n");
-  EXPECT_EQ(head.device, "Acme X100; not the Y200");
-  EXPECT_EQ(head.description, "A meter");
-  EXPECT_THAT(head.protocols, ElementsAre("modbus-rtu", "s7-ppi"));
-  EXPECT_THAT(matching_templates("Acme Y200", "modbus-rtu", {head}), IsEmpty());
 }
 
 TEST(ScanTemplates, AreWrittenIntoTheConfiguration) {

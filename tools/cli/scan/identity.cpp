@@ -8,64 +8,15 @@
 
 #include "core/base/message_text.hpp"
 #include "core/codec/digits.hpp"
-#include "core/protocol/modbus/framing.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
 
 namespace fieldcast::cli {
 
-namespace {
-
-constexpr std::size_t kObjects = 3;  // vendor, product code, revision
-
-// Joins the texts of the objects with commas.
-class ModbusIdentity final : public Exchange {
- public:
-  ModbusIdentity(const modbus::Framing& framing, std::uint8_t unit)
-      : exchange_(framing, {unit, 1}, modbus::RequestPdu::basic_identity()) {}
-
-  Step start(Bytes& out) override { return exchange_.start(out); }
-  Step on_bytes(ByteView all, Bytes& out) override { return joined(exchange_.on_bytes(all, out)); }
-  Step on_silence(Bytes& out) override { return joined(exchange_.on_silence(out)); }
-  const Reply& reply() const override { return reply_; }
-
- private:
-  Step joined(const Step& step) {
-    if (step.kind != Step::Kind::kDone) return step;
-    reply_.assign(1, RangeReply{});
-    Bytes& text = reply_.front().items;
-    for (std::size_t i = 0; i < std::min(kObjects, exchange_.reply().size()); ++i) {
-      const Bytes& object = exchange_.reply()[i].items;
-      if (object.empty()) continue;
-      if (!text.empty()) append(text, Bytes{',', ' '});
-      append(text, object);
-    }
-    return step;
-  }
-
-  modbus::ModbusExchange exchange_;
-  Reply reply_;
-};
-
-}  // namespace
-
 std::unique_ptr<Exchange> identity_exchange(const ScanLine& line, std::uint16_t address,
                                             ExchangeContext context) {
   const std::string_view protocol = line.protocol.name();
-  const auto unit = static_cast<std::uint8_t>(address);
-  if (protocol == "modbus-rtu")
-    return std::make_unique<ModbusIdentity>(modbus::rtu_framing(), unit);
-  if (protocol == "modbus-ascii")
-    return std::make_unique<ModbusIdentity>(modbus::ascii_framing(), unit);
-  if (protocol == "modbus-tcp")
-    return std::make_unique<ModbusIdentity>(modbus::tcp_framing(), unit);
   if (protocol == "omron-hostlink") return hostlink_identity(address);
   return controller_identity(line, context);
-}
-
-std::optional<TypeAddress> type_address(std::string_view protocol) {
-  if (protocol == "mitsubishi-fx") return TypeAddress{"D8001", "type and version"};
-  if (protocol == "s7-ppi") return TypeAddress{"SMB6", "CPU"};
-  return std::nullopt;
 }
 
 namespace {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,20 +11,12 @@
 
 namespace fieldcast::cli {
 
-// The protocol's own identification request, whose reply is one range with the text. Modbus:
-// function 43, MEI type 14, "Vendor, Product, 1.2" (Modbus Application Protocol V1.1b3, 6.21). Host
-// Link: hostlink_identity(). Controllers on a network: controller_identity(). Null: the protocol
-// has none.
+// The protocol's own identification request, whose reply is one range with the text. Host Link:
+// hostlink_identity(). Controllers on a network: controller_identity(). Null: the protocol has none;
+// an item may identify the device (identity_question()).
 [[nodiscard]] std::unique_ptr<Exchange> identity_exchange(const ScanLine& line,
                                                           std::uint16_t address,
                                                           ExchangeContext context = {});
-
-// Address of the device type in a family: D8001 of an FX, SMB6 of an S7-200.
-struct TypeAddress {
-  std::string_view at;
-  std::string_view label;  // "type and version"
-};
-[[nodiscard]] std::optional<TypeAddress> type_address(std::string_view protocol);
 
 // Identifies an Omron PLC at a Host Link port by two read requests. Pure.
 //

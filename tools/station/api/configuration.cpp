@@ -58,6 +58,8 @@ void send(const Api& api, const std::string& operation, Texts members, const Cal
         HttpResponse response = response_of(replied);
         if (operation == "read" && response.body.starts_with('{') && response.status == 200)
           response.body = json_joined(JsonObject().add("bridge", bridge).take(), response.body);
+        if (operation == "scan" && response.status == 200)
+          response.body = with_templates(response.body, device_templates());
         reply(std::move(response));
       });
   if (!sent) reply(error_response(503, "too many requests wait for bridges", "try again later"));
@@ -147,17 +149,19 @@ void show_configuration_schema(const Api&, const HttpRequest& request, const Cal
 void show_device_templates(const Api&, const HttpRequest& request, const Caller&,
                            const Reply& reply) {
   if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-  reply(json_response(json_array(device_templates(),
-                                 [](std::string& out, const DeviceTemplate& each) {
-                                   out += JsonObject()
-                                              .add("name", each.name)
-                                              .add("maker", each.maker)
-                                              .add("model", each.model)
-                                              .add("protocol", each.protocol)
-                                              .add("text", each.text)
-                                              .take();
-                                 }),
-                      request.accepts_gzip));
+  reply(json_response(
+      json_array(device_templates(),
+                 [](std::string& out, const DeviceTemplate& each) {
+                   out +=
+                       JsonObject()
+                           .add("name", each.head.name)
+                           .add("maker", each.maker)
+                           .add("model", each.model)
+                           .add("protocol", fmt::format("{}", fmt::join(each.head.protocols, ", ")))
+                           .add("text", each.text)
+                           .take();
+                 }),
+      request.accepts_gzip));
 }
 
 }  // namespace fieldcast::web

@@ -1,32 +1,14 @@
 #include "tools/station/api/device_templates.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <tuple>
-
-#include "config/files/file_reader.hpp"
 
 namespace fieldcast::web {
 
 namespace {
 
-constexpr std::string_view kSuffix = ".yaml", kDevice = "# Device:";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" []\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" []\r") - first + 1);
-}
-
-// The rest of the first line that begins with this word.
-std::string_view line_after(std::string_view text, std::string_view word) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line = text.substr(at, end - at);
-    if (line.starts_with(word)) return trimmed(line.substr(word.size()));
-    at = end + 1;
-  }
-  return {};
-}
+constexpr std::string_view kSuffix = ".yaml";
 
 // Makers whose names have two words.
 constexpr std::string_view kLongMakers[] = {"Carlo Gavazzi", "Schneider Electric",
@@ -42,19 +24,34 @@ std::size_t maker_size(std::string_view device) {
 }  // namespace
 
 DeviceTemplate device_template_of(std::string name, std::string text) {
-  DeviceTemplate made{.name = std::move(name), .text = std::move(text)};
-  const std::string_view device = line_after(made.text, kDevice);
-  if (device.empty()) {
-    made.model = std::string(line_after(made.text, "description:"));
-  } else {
-    const std::size_t end = maker_size(device);
-    made.maker = std::string(device.substr(0, end));
-    made.model = std::string(trimmed(device.substr(end)));
-  }
-  std::string_view protocol = line_after(made.text, "protocols:");
-  if (protocol.empty()) protocol = line_after(made.text, "protocol:");
-  made.protocol = std::string(protocol);
+  DeviceTemplate made{.head = config::template_head(std::move(name), text),
+                      .maker = {},
+                      .model = {},
+                      .text = std::move(text)};
+  const std::string& device = made.head.device;
+  const std::size_t end = maker_size(device);
+  made.maker = device.substr(0, end);
+  made.model =
+      device.empty() ? made.head.description : device.substr(std::min(end + 1, device.size()));
   return made;
+}
+
+std::string with_templates(const std::string& scan, const std::vector<DeviceTemplate>& templates) {
+  auto body = nlohmann::json::parse(scan, nullptr, false);
+  const auto found = body.is_object() ? body.find("found") : body.end();
+  if (found == body.end() || !found->is_array()) return scan;
+  std::vector<config::TemplateHead> heads;
+  for (const DeviceTemplate& each : templates) heads.push_back(each.head);
+  const auto text_of = [](const nlohmann::json& device, const char* name) {
+    const auto text = device.find(name);
+    return text != device.end() && text->is_string() ? text->get<std::string>() : std::string();
+  };
+  for (auto& device : *found) {
+    if (device.is_object())
+      device["templates"] = config::matching_templates(text_of(device, "identity"),
+                                                       text_of(device, "protocol"), heads);
+  }
+  return body.dump();
 }
 
 const std::vector<DeviceTemplate>& device_templates() {
@@ -70,7 +67,7 @@ const std::vector<DeviceTemplate>& device_templates() {
       }
     }
     std::ranges::sort(found, {}, [](const DeviceTemplate& each) {
-      return std::tie(each.maker, each.model, each.name);
+      return std::tie(each.maker, each.model, each.head.name);
     });
     return found;
   }();

@@ -12,6 +12,7 @@
 namespace fieldcast::web {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 class ConfigurationApi : public testing::Test {
@@ -106,9 +107,22 @@ TEST(DeviceTemplates, HaveMakerModelAndProtocol) {
       "em24", "# Device:   Carlo Gavazzi EM24-DIN, meter\nprotocols: [modbus-rtu, modbus-tcp]\n");
   EXPECT_EQ(meter.maker, "Carlo Gavazzi");
   EXPECT_EQ(meter.model, "EM24-DIN, meter");
-  EXPECT_EQ(meter.protocol, "modbus-rtu, modbus-tcp");
+  EXPECT_THAT(meter.head.protocols, ElementsAre("modbus-rtu", "modbus-tcp"));
   EXPECT_EQ(device_template_of("press", "description: Hydraulic press\n").model, "Hydraulic press");
   EXPECT_EQ(device_template_of("x", "").maker, "");
+}
+
+TEST(DeviceTemplates, AreProposedForTheIdentityOfAFoundDevice) {
+  const std::vector templates{
+      device_template_of("pac", "# Device: Siemens PAC3200\nprotocols: [modbus-rtu]\n")};
+  const auto proposed = [&](const std::string& scan) { return with_templates(scan, templates); };
+  EXPECT_EQ(
+      proposed(R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu"}]})"),
+      R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu","templates":["pac"]}]})");
+  EXPECT_THAT(proposed(R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"dtc"}]})"),
+              HasSubstr(R"("templates":[])"));
+  for (const char* other : {"[]", "{}", R"({"found":7})", R"({"found":[7]})"})
+    EXPECT_EQ(proposed(other), other);
 }
 
 }  // namespace

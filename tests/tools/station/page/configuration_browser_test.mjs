@@ -43,6 +43,21 @@ const cursorBehind = (page, part) => area(page).evaluate((element, behind) => {
   element.dispatchEvent(new Event('click'));
 }, part);
 
+// Returns a function that prints and checks the clicks and the time until its call. `more`: clicks that were keys here.
+const startCounting = async (page) => {
+  await page.evaluate(() => {
+    window.clicks = 0;
+    addEventListener('pointerdown', () => window.clicks++, true);
+  });
+  const begun = Date.now();
+  return async (task, more = 0) => {
+    const clicks = more + await page.evaluate(() => window.clicks), took_ms = Date.now() - begun;
+    console.log(`# ${task}: ${clicks} clicks, ${took_ms} ms`);
+    assert.ok(clicks <= 12, `${clicks} clicks`);
+    assert.ok(took_ms <= 60_000, `${took_ms} ms`);
+  };
+};
+
 for (const [name, options] of [['wide and light', {}], ['on a phone in the dark', { width: 390, height: 800, dark: true }], ['in Chinese at 1024', { width: 1024, language: 'zh-CN' }]])
   test(`every part, ${name}: nothing clipped, no violation`, { skip }, async () => {
     const page = await open('#/configuration/north', options);
@@ -64,6 +79,11 @@ for (const [name, options] of [['wide and light', {}], ['on a phone in the dark'
       await until(() => page.underWay === 0, 'answers of the station');
       await look(source);
     }
+    await page.locator('.add-device select').first().selectOption('1');  // the bus press-shop
+    await page.locator('.add-device .pair input').first().fill('1-20');
+    await button(page, zh ? '扫描总线' : 'Scan the bus').click();
+    await page.waitForSelector('.proposal');
+    await look('found devices');
     await button(page, zh ? '部署…' : 'Deploy …').click();
     await look('deploy');
     await page.keyboard.press('Escape');
@@ -74,12 +94,7 @@ for (const [name, options] of [['wide and light', {}], ['on a phone in the dark'
   });
 
 test('a new meter from its template to the confirmed deployment: at most 12 clicks', { skip }, async () => {
-  const page = await open('#/overview');
-  await page.evaluate(() => {
-    window.clicks = 0;
-    addEventListener('pointerdown', () => window.clicks++, true);
-  });
-  const begun = Date.now();
+  const page = await open('#/overview'), used = await startCounting(page);
   await page.locator('nav').getByRole('link', { name: 'Configuration' }).click();
   await checked(page);
   await button(page, 'Add a device').click();
@@ -103,10 +118,7 @@ test('a new meter from its template to the confirmed deployment: at most 12 clic
   await says(page, '.watch', /Version [0-9a-f]{16} is watched for (29|30) s more/);
   await button(page, 'Confirm').click();
   await says(page, '.watch', /Version [0-9a-f]{16}: confirmed by local/);
-  const clicks = await page.evaluate(() => window.clicks), took_ms = Date.now() - begun;
-  console.log(`# a new meter: ${clicks} clicks, ${took_ms} ms`);
-  assert.ok(clicks <= 12, `${clicks} clicks`);
-  assert.ok(took_ms <= 60_000, `${took_ms} ms`);
+  await used('a new meter');
   assert.equal(mock.configuration.text, firstText + '      - { name: carlo-gavazzi-em24, address: 2, template: carlo-gavazzi-em24 }\n');
   assert.deepEqual(mock.configuration.versions.at(-1), { ...mock.configuration.versions.at(-1), version: versionOf(mock.configuration.text), who: 'local', why: 'meter of the new hall', state: 'confirmed by local' });
   assert.deepEqual(browser.faults, []);
@@ -280,6 +292,57 @@ test('a scan shows its progress, and a found address becomes a device', { skip }
   await page.locator('.picks button', { hasText: /carlo-gavazzi-em24(?!-)/ }).click();
   await button(page, 'Add to the draft').click();
   await until(async () => (await text(page)).includes('{ name: carlo-gavazzi-em24, address: 20, template: carlo-gavazzi-em24 }'), 'the device');
+});
+
+test('a new meter from a scan to the confirmed deployment: named, its template proposed, at most 12 clicks', { skip }, async () => {
+  const page = await open('#/overview'), used = await startCounting(page);
+  await page.locator('nav').getByRole('link', { name: 'Configuration' }).click();
+  await checked(page);
+  await button(page, 'Add a device').click();
+  await page.keyboard.press('ArrowDown');
+  await button(page, 'Scan').click();
+  await says(page, '.add-device', /Protocol of this bus: modbus-rtu/);
+  await page.getByLabel('Addresses').fill('1-20');
+  await button(page, 'Scan the bus').click();
+  await says(page, '.picks', /18 Siemens AG, SENTRON PAC3200, 2.1/);
+  await button(page, 'Use the template siemens-pac3200').click();
+  assert.equal(await page.getByLabel('Maker or model').inputValue(), 'Siemens');
+  await button(page, 'Read first values').click();
+  await says(page, '.add-device table', /231\.4 V/);
+  await button(page, 'Add to the draft').click();
+  await until(async () => (await text(page)).includes('{ name: siemens-pac3200, address: 18, template: siemens-pac3200 }'), 'the device');
+  await until(() => button(page, 'Deploy …').isEnabled(), 'the draft may be deployed');
+  await button(page, 'Deploy …').click();
+  await page.keyboard.type('found');
+  await page.locator('dialog').getByRole('button', { name: 'Deploy' }).click();
+  await button(page, 'Confirm').click();
+  await says(page, '.watch', /confirmed by local/);
+  await used('a new meter by scan', 2);  // the choice of the bus, above by a key
+});
+
+test('a bus with several protocols is searched for the chosen one', { skip }, async () => {
+  const page = await open();
+  await area(page).fill(firstText.replace('template: carlo-gavazzi-em112', 'protocol: dtc, template: carlo-gavazzi-em112'));
+  await checked(page);
+  await button(page, 'Add a device').click();
+  await page.keyboard.press('ArrowDown');
+  await button(page, 'Scan').click();
+  await page.getByLabel('Protocol').selectOption('dtc');
+  await page.getByLabel('Addresses').fill('1-20');
+  await button(page, 'Scan the bus').click();
+  await page.locator('.picks button', { hasText: /^20/ }).click();
+  await page.locator('.picks button').first().click();
+  await button(page, 'Add to the draft').click();
+  await until(async () => /address: 20, protocol: dtc, template/.test(await text(page)), 'the device with its protocol');
+});
+
+test('an overloaded bus shows an engineer the proposals of the bridge', { skip }, async () => {
+  mock.configuration.text = `${firstText.replace('press-shop', 'utilities')}      - { name: second, address: 2 }\n      - { name: third, address: 3 }\n`;
+  const page = await open('#/overview');
+  const card = page.locator('.card.bus', { hasText: 'utilities' });
+  await card.getByRole('button', { name: 'Proposals of the bridge' }).click();
+  await says(page, '.card.bus .remedies', /run the line at 115200 baud or more/);
+  assert.deepEqual([...await clipped(page), ...await browser.axe(page), ...browser.faults], []);
 });
 
 test('versions tell who and why, show their changes, are downloaded and returned to', { skip }, async () => {

@@ -127,9 +127,10 @@ export class MockConfiguration {
         moved: [{ from: 'row 2: flow, 40001', to: 'flow at holding:0', change: '' }, { from: 'row 3: level, 40002', to: 'level at holding:1', change: 'counted from 0' }],
         refusals: [{ where: 'row 4: alarm', why: 'type enum16 is unknown' }], recognised: ['a list with the columns name, at'], notes: [] }];
       case '/api/configuration/scan':
-        if (body.bus !== 'press-shop' || body.protocol !== 'modbus-rtu' || body.last !== '20') return [400, { error: `no scan of ${JSON.stringify(body)}`, hint: '' }];
+        if (body.bus !== 'press-shop' || !/^(modbus-rtu|dtc)$/.test(body.protocol) || body.last !== '20') return [400, { error: `no scan of ${JSON.stringify(body)}`, hint: '' }];
         return [200, body.first === '1' ? { found: [], next: 17, error: '' } :
-          { found: [{ address: '20', protocol: 'modbus-rtu', response: 'holding:0 = 17', responded: true, took_ms: 12.4 }], next: null, error: body.first === '17' ? '' : 'not asked' }];
+          { found: [{ address: '18', protocol: body.protocol, response: 'holding:0 = 4', responded: true, took_ms: 9, identity: 'Siemens AG, SENTRON PAC3200, 2.1', templates: ['siemens-pac3200'] },
+            { address: '20', protocol: body.protocol, response: 'holding:0 = 17', responded: true, took_ms: 12.4, identity: '', templates: [] }], next: null, error: body.first === '17' ? '' : 'not asked' }];
       case '/api/configuration/probe':
         this.probed.push(body);
         return [200, { values: [{ channel: 'voltage-l1', value: 231.4, unit: 'V', quality: 'GOOD', error: '' }, { channel: 'current-l1', value: null, unit: 'A', quality: 'BAD_NO_ANSWER', error: 'no response within 500 ms' }] }];

@@ -11,9 +11,9 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
-const { frame, plant, router, rows, recent_values, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_advice, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, texts: configurationTexts } =
+const { frame, plant, router, rows, recent_values, format, i18n, trend, ticks, typed, clock, alarm_rows, bus_advice, bus_order, channel_fault, csv, plan_picture, device_health, port_command, printable, browser_notices, pages, common, causes, server, server_text, texts: configurationTexts } =
   await loadModules(folder, modules, ['frame', 'plant', 'router', 'rows', 'recent_values', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'bus_advice', 'bus_order', 'channel_fault', 'csv', 'plan_picture',
-    'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'configuration/texts']);
+    'device_health', 'port_command', 'printable', 'browser_notices', 'pages', 'texts/common', 'texts/causes', 'texts/server', 'server_text', 'configuration/texts']);
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
 const sample = (id, value, more = {}) => ({ id, value, text: null, acquired_ms: Date.now() - 40, quality: 0, ...more });
@@ -36,6 +36,39 @@ test('the rate of a programming session is that of its last two reports', () => 
   assert.equal(rate(5000), 0);
   made.setSession(report({ since_ms: 9000, bytes_to_device: 7 }), 9000);
   assert.equal(rate(9000), 0);
+});
+
+// All string literals of the programs, adjacent ones joined. The message of a row may be made of several.
+const literals = () => {
+  const texts = [], root = join(folder, '../../..');
+  for (const part of ['bridge', 'core', 'tools/station'])
+    for (const name of readdirSync(join(root, part), { recursive: true })) {
+      if (!name.endsWith('.cpp')) continue;
+      const code = readFileSync(join(root, part, name), 'utf8').replace(/"\s*"/g, '');
+      texts.push(...(code.match(/"(?:[^"\\\n]|\\.)*"/g) ?? []));
+    }
+  return texts.join('\n').replace(/\\"/g, '"');
+};
+
+test('each message with a Chinese text is one of the programs', () => {
+  const all = literals();
+  for (const [en, zh] of server.messages) {
+    for (const part of en.split(/\{\}|(?=, last by)/).map((each) => each.trim())) assert.ok(all.includes(part), `no program writes '${part}' of '${en}'`);
+    assert.equal(zh.match(/\{\d?\}/g)?.length, en.match(/\{\}/g)?.length, en);
+    assert.match(zh, /[\u4e00-\u9fff]/);
+  }
+  assert.equal(new Set(server.messages.map(([en]) => en)).size, server.messages.length);
+});
+
+test('a message of a program is shown in Chinese with its parts, an unknown one unchanged', () => {
+  assert.equal(server_text.serverText('try again in 7 s'), 'try again in 7 s');
+  i18n.setLanguage('zh');
+  assert.equal(server_text.serverText('try again in 7 s'), '请在 7 秒后重试');
+  assert.equal(server_text.serverText("no device of the bus 'a+b' has the protocol 'dtc'"), '总线 “a+b” 没有协议为 “dtc” 的设备');
+  assert.equal(server_text.serverText('the version 12ab of anna (desk) is still watched'), 'anna (desk) 的版本 12ab 仍在观察中');
+  assert.equal(server_text.serverText('the configuration was changed meanwhile, last by $& {}'), '配置已被修改，最后由 $& {} 修改');
+  for (const other of ['', 'something else', 'try again in 7 s and more', '('.repeat(2000)]) assert.equal(server_text.serverText(other), other);
+  i18n.setLanguage('en');
 });
 
 test('the browser is notified once of each alarm that becomes unacknowledged', () => {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <ostream>
 
+#include "config/files/template_match.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
@@ -143,12 +144,12 @@ class Scan {
       if (!response) return tl::unexpected(response.error());
       scanner_.on_response(*response);
     }
-    const auto heads = template_heads(config::disk_reader(), config::default_options());
+    const auto heads = config::template_heads(config::disk_reader(), config::default_options());
     for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_) {
       const ScanFound& found = scanner_.found()[named_];
       std::string identity = identity_of(found);
       const std::string_view protocol = scanner_.lines()[found.line].protocol.name();
-      scanner_.set_templates(named_, matching_templates(identity, protocol, heads));
+      scanner_.set_templates(named_, config::matching_templates(identity, protocol, heads));
       scanner_.set_identity(named_, std::move(identity));
       walk_sunspec(named_);
     }
@@ -232,18 +233,18 @@ class Scan {
       const Bytes& text = heard->reply.front().items;
       return {text.begin(), text.end()};
     }
-    const auto type = type_address(line.protocol.name());
     const auto protocol = device(found.address);
-    if (!type || !protocol) return {};
-    const auto at = protocol->parse_address(type->at);
-    if (!at) return {};
-    const auto heard = talk(protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, context()),
-                            found.address, "reads " + std::string(type->at), timeout);
+    const auto identity = protocol ? identity_question(*protocol) : std::nullopt;
+    if (!identity) return {};
+    const auto heard = talk(protocol->begin(ReadRequest{{identity->question.range}}, context()),
+                            found.address, "reads " + identity->question.at, timeout);
     if (!heard || heard->cause != Cause::kNone || heard->reply.front().cause != Cause::kNone)
       return {};
+    const Bytes& items = heard->reply.front().items;
+    if (identity->label.empty()) return {items.begin(), std::ranges::find(items, '\0')};
     std::uint64_t number = 0;
-    for (const std::uint8_t byte : heard->reply.front().items) number = number << 8 | byte;
-    return fmt::format("{} {} ({} is {})", type->label, number, type->at, number);
+    for (const std::uint8_t byte : items) number = number << 8 | byte;
+    return identity_text(*identity, std::to_string(number));
   }
 
   // Takes at most one timeout for a device without SunSpec models.

@@ -5,6 +5,7 @@ import { request } from './api';
 import type { Context } from './context';
 import { t, word } from './i18n';
 import { html } from './markup';
+import { serverText } from './server_text';
 import type { Alarm } from './types';
 import { ask, errorText } from './view';
 
@@ -28,7 +29,7 @@ async function perform(context: Context, path: string, bodies: readonly unknown[
       request_ids ?? (request_id === undefined ? [] : [request_id]));
     const results = await Promise.all(ids.map((id) => context.live.resultOf(id)));
     const failed = results.filter((result) => result.state !== 'done' && result.state !== 'verified');
-    for (const reason of new Set(failed.map((result) => result.reason || word('cause', result.cause))))
+    for (const reason of new Set(failed.map((result) => serverText(result.reason) || word('cause', result.cause))))
       context.say(t('alarms.failed', { what: done, reason }), true);
     if (!failed.length) context.say(done);
   } catch (error) {

@@ -4,6 +4,7 @@ import type { Context } from './context';
 import { duration } from './format';
 import { t, word } from './i18n';
 import { html } from './markup';
+import { serverText } from './server_text';
 import type { Result } from './types';
 import { ask, errorText } from './view';
 
@@ -26,7 +27,7 @@ export async function outcomeOf(command: Promise<Result>): Promise<Outcome> {
   try {
     const result = await command;
     const bad = !['done', 'verified'].includes(result.state);
-    const reason = bad ? [result.cause === 'NONE' ? '' : word('cause', result.cause), result.reason].filter(Boolean).join(': ') : '';
+    const reason = bad ? [result.cause === 'NONE' ? '' : word('cause', result.cause), serverText(result.reason)].filter(Boolean).join(': ') : '';
     const value = result.value === null || result.value === undefined ? '' : Array.isArray(result.value) ? result.value.join(' ') : String(result.value);
     return { bad, text: [word('result', result.state), reason, value && `= ${value}`, `(${duration(Math.round(performance.now() - started))})`].filter(Boolean).join(' ') };
   } catch (error) {

@@ -5,6 +5,7 @@ import type { TemplateResult } from 'lit-html';
 import { percent } from './format';
 import { t, word } from './i18n';
 import { html } from './markup';
+import { serverText } from './server_text';
 import { isBad, notYetRead, qualities } from './types';
 
 export type Tone = 'good' | 'warning' | 'bad' | 'unknown';
@@ -81,8 +82,8 @@ export const empty = (text: string, hint = ''): TemplateResult =>
 
 export function errorText(error: unknown): string {
   const told = error as { message?: string; hint?: string; status?: number };
-  const message = told.message === 'unreachable' || told.message === 'lost' ? t('error.lost') : told.message === 'no-result' ? t('error.no-result') : told.message ?? String(error);
-  return told.hint ? `${message} ${told.hint}` : message;
+  const message = told.message === 'unreachable' || told.message === 'lost' ? t('error.lost') : told.message === 'no-result' ? t('error.no-result') : serverText(told.message ?? String(error));
+  return told.hint ? `${message} ${serverText(told.hint)}` : message;
 }
 
 export function makeElement(className: string): HTMLElement {

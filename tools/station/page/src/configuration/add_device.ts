@@ -5,10 +5,11 @@ import type { TemplateResult } from 'lit-html';
 import { bytes } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
+import { serverText } from '../server_text';
 import { badge, errorText } from '../view';
 import * as api from './api';
 import type { FirstValue, Found, Imported, Template } from './api';
-import { deviceText, importedDevices, matching, speaks } from './new_device';
+import { deviceText, importedDevices, matching, protocolsOf, speaks } from './new_device';
 import type { ImportedDevice } from './new_device';
 import { freeAddress, freeName, namesAt } from './outline';
 import { valueAt } from './yaml_tree';
@@ -39,7 +40,8 @@ export class AddDevice {
   private fileName = '';
   private found: readonly Found[] | undefined;
   private range = '1-32';  // addresses of the scan
-  private picked = '';  // address of the device that was chosen of `found`
+  private wanted = '';  // protocol that was chosen for the scan
+  private picked: Found | undefined;  // of `found`
   private values: readonly FirstValue[] | undefined;
   private running = '';  // text of the request in flight
   private scanning = false;
@@ -51,7 +53,8 @@ export class AddDevice {
 
   private get busPath(): Path { return ['buses', this.bus]; }
   private get busName(): string { return namesAt(this.host.tree(), ['buses'])?.[this.bus] ?? ''; }
-  private get protocol(): string { return valueAt(this.host.tree(), [...this.busPath, 'protocol']) ?? ''; }
+  private get ownProtocol(): string { return valueAt(this.host.tree(), [...this.busPath, 'protocol']) ?? ''; }
+  private get protocol(): string { return this.picked?.protocol ?? this.ownProtocol; }
 
   // Runs one request at a time; shows its fault.
   private async run(text: string, action: () => Promise<void>): Promise<void> {
@@ -71,7 +74,7 @@ export class AddDevice {
   private propose(name: string): void {
     const tree = this.host.tree();
     this.name = freeName(name, namesAt(tree, [...this.busPath, 'devices']) ?? []);
-    this.address = this.picked || freeAddress(tree, this.busPath);
+    this.address = this.picked?.address ?? freeAddress(tree, this.busPath);
     this.values = undefined;
   }
 
@@ -83,7 +86,8 @@ export class AddDevice {
 
   private items(): ImportedDevice[] {
     if (this.source === 'file') return this.imported ? importedDevices(this.imported.text, this.name, this.address) : [];
-    return this.template && this.name && this.address ? [{ name: this.name, text: deviceText(this.name, this.address, this.template) }] : [];
+    const protocol = this.protocol === this.ownProtocol ? '' : this.protocol;
+    return this.template && this.name && this.address ? [{ name: this.name, text: deviceText(this.name, this.address, this.template, protocol) }] : [];
   }
 
   private readonly submit = (event: Event): void => {
@@ -121,7 +125,7 @@ export class AddDevice {
       this.bus = Number((event.target as HTMLSelectElement).value);
       this.found = this.values = undefined;
       this.scanning = false;
-      this.picked = '';
+      this.picked = undefined;
       if (this.template) this.propose(this.template);
       this.host.draw();
     };
@@ -187,7 +191,7 @@ export class AddDevice {
   }
 
   // Part by part, until the last address, a fault, or the end of `scanning`.
-  private scan(): void {
+  private scan(protocol: string): void {
     const [first = 0, last = first] = this.range.split('-').map(Number);
     this.found = [];
     this.scanning = true;
@@ -195,7 +199,7 @@ export class AddDevice {
       for (let next: number | null = first; next !== null && this.scanning;) {
         this.running = t('configuration.scanning', { next, last });
         this.host.draw();
-        const part = await api.scan(this.host.bridge, this.busName, this.protocol, next, last);
+        const part = await api.scan(this.host.bridge, this.busName, protocol, next, last);
         this.found = [...this.found ?? [], ...part.found];
         if (part.error) throw new Error(part.error);
         next = part.next;
@@ -203,18 +207,34 @@ export class AddDevice {
     });
   }
 
+  // Fills the form with a found device, and the list of templates with those of its maker.
+  private pick(found: Found, template = this.template): void {
+    const [maker = ''] = (found.identity ?? '').split(/[\s,]+/);
+    this.source = 'template';
+    this.picked = found;
+    this.template = template;
+    if (maker && matching(this.templates ?? [], maker, this.protocol).length) this.search = maker;
+    this.propose(template || `address-${found.address}`);
+    this.host.draw();
+  }
+
   private scanPart(): TemplateResult {
-    const pick = ({ address }: Found): void => {
-      this.source = 'template';
-      this.picked = address;
-      this.propose(this.template || `address-${address}`);
+    const protocols = protocolsOf(this.host.tree(), this.busPath), protocol = protocols.includes(this.wanted) ? this.wanted : protocols[0] ?? '';
+    const choose = (event: Event): void => {
+      this.wanted = (event.target as HTMLSelectElement).value;
       this.host.draw();
     };
-    return html`<div class="pair"><label>${t('configuration.scan-range')} <input .value=${this.range} @change=${(event: Event) => { this.range = (event.target as HTMLInputElement).value; }}></label>
-      <button type="button" ?disabled=${!!this.running && !this.scanning} @click=${() => { if (this.scanning) this.scanning = false; else this.scan(); }}>${
+    const device = (each: Found): TemplateResult => html`<li>
+      <button type="button" @click=${() => this.pick(each)}><b>${each.address}</b> ${each.identity || each.response}
+        <span class="muted">${each.identity ? `${each.response} · ` : ''}${Math.round(each.took_ms)} ms</span></button>
+      ${each.templates.map((name) => html`<button type="button" class="proposal" @click=${() => this.pick(each, name)}>${t('configuration.use', { name })}</button>`)}</li>`;
+    return html`<div class="pair">${protocols.length > 1 ? html`<label>${t('configuration.protocol')} <select @change=${choose}>
+        ${protocols.map((each) => html`<option ?selected=${each === protocol}>${each}</option>`)}</select></label>` : nothing}
+      <label>${t('configuration.scan-range')} <input .value=${this.range} @change=${(event: Event) => { this.range = (event.target as HTMLInputElement).value; }}></label>
+      <button type="button" ?disabled=${!!this.running && !this.scanning} @click=${() => { if (this.scanning) this.scanning = false; else this.scan(protocol); }}>${
         t(this.scanning ? 'configuration.scan-stop' : 'configuration.scan')}</button></div>
-      ${this.found ? html`<ul class="picks" data-scroll aria-label=${t('configuration.scan-found')}>${this.found.map((each) => html`<li>
-        <button type="button" @click=${() => pick(each)}><b>${each.address}</b> ${each.response} <span class="muted">${Math.round(each.took_ms)} ms</span></button></li>`)}</ul>
+      ${protocols.length > 1 ? nothing : html`<p class="muted">${t('configuration.one-protocol', { protocol })}</p>`}
+      ${this.found ? html`<ul class="picks" data-scroll aria-label=${t('configuration.scan-found')}>${this.found.map(device)}</ul>
         ${this.found.length || this.scanning ? nothing : html`<p>${t('configuration.scan-none')}</p>`}` : nothing}`;
   }
 
@@ -235,7 +255,7 @@ export class AddDevice {
         <tbody>${values.map(({ channel, value, unit, quality, error }) => {
           const good = quality.toLowerCase() === 'good';
           return html`<tr><td>${channel}</td><td class="number">${value === null ? '–' : `${String(value)} ${unit}`}</td>
-            <td>${badge(good ? 'good' : 'bad', error || (good ? t('quality.good') : quality))}</td></tr>`;
+            <td>${badge(good ? 'good' : 'bad', serverText(error) || (good ? t('quality.good') : quality))}</td></tr>`;
         })}</tbody></table></div>`;
   }
 }

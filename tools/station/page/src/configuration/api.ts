@@ -72,8 +72,11 @@ export interface Imported {
 
 export interface Found {
   address: string;
+  protocol: string;
   response: string;
   took_ms: number;
+  identity?: string;  // what the device reports of itself; an older bridge does not read it
+  templates: string[];  // that match its identity
 }
 
 export interface FirstValue {

@@ -5,8 +5,15 @@ import { scalarText } from './yaml_edit';
 import { childOf, nodeAt, parseTree, valueAt } from './yaml_tree';
 import type { Node, Path } from './yaml_tree';
 
-export const deviceText = (name: string, address: string, template: string): string =>
-  `{ name: ${scalarText(name)}, address: ${scalarText(address, /^(?:0|[1-9]\d{0,8})$/.test(address))}, template: ${scalarText(template)} }`;
+// `protocol`: empty if it is that of the bus.
+export const deviceText = (name: string, address: string, template: string, protocol = ''): string =>
+  `{ name: ${scalarText(name)}, address: ${scalarText(address, /^(?:0|[1-9]\d{0,8})$/.test(address))}, ${
+    protocol && `protocol: ${scalarText(protocol)}, `}template: ${scalarText(template)} }`;
+
+// Protocols of a bus: its own, and those of its devices.
+export const protocolsOf = (tree: Node | undefined, bus: Path): string[] =>
+  [...new Set([bus, ...(nodeAt(tree, [...bus, 'devices'])?.children ?? []).map(({ key }) => [...bus, 'devices', key])]
+    .map((path) => valueAt(tree, [...path, 'protocol']) ?? '').filter(Boolean))];
 
 // The text of a node with its first column at 0.
 function cut(text: string, node: Node): string {

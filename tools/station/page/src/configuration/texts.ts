@@ -69,6 +69,8 @@ export const texts = {
   'configuration.devices-found': ['{n} devices are added.', '将添加 {n} 个设备。'],
   'configuration.scan': ['Scan the bus', '扫描总线'], 'configuration.scan-stop': ['Stop', '停止'], 'configuration.scan-range': ['Addresses', '地址范围'],
   'configuration.scanning': ['Scanning, address {next} of {last} …', '正在扫描地址 {next} / {last}…'], 'configuration.scan-found': ['Found devices', '发现的设备'],
+  'configuration.use': ['Use the template {name}', '使用模板 {name}'], 'configuration.protocol': ['Protocol', '协议'],
+  'configuration.one-protocol': ['Protocol of this bus: {protocol}. It has no device with another one.', '此总线的协议：{protocol}。没有其他协议的设备。'],
   'configuration.scan-none': ['No new device responded.', '没有新设备响应。'],
   'configuration.braces': ['The list of devices is written in brackets; write it in lines first.', '设备列表写在方括号中；请先改为多行书写。'],
   'configuration.added': ['{name} is in the draft.', '{name} 已加入草稿。'],

@@ -21,7 +21,7 @@ import { empty, errorText, makeElement } from '../view';
 
 export const texts = {
   'history.title': ['History', '历史'], 'history.add': ['Add a channel', '添加通道'], 'history.add-hint': ['bus/device/channel', '总线/设备/通道'],
-  'history.day': ['Day before', '前一天'], 'history.events': ['{n} events', '{n} 个事件'], 'history.back': ['Zoom out', '缩小'],
+  'history.day': ['Day before', '前一天'], 'history.events': ['Events: {n}', '事件：{n}'], 'history.back': ['Zoom out', '缩小'],
   'history.csv': ['Save as CSV', '保存为 CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
   'history.recent': ['Looked at last', '最近查看'], 'history.recent-all': ['The last {n} together', '最近 {n} 个一起显示'],
   'history.none-hint': ['Type a part of a name and take one of the list. The address of this page can be sent.', '输入名称的一部分，再从列表中选择。本页地址可以转发。'],

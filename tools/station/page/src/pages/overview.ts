@@ -4,6 +4,7 @@ import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
 import { isShelved } from '../alarm_rows';
+import { bridgeAdvice, texts as bridgeTexts } from '../bridge_advice';
 import { lateText, overloadText, texts as adviceTexts } from '../bus_advice';
 import { worstFirst } from '../bus_order';
 import type { BusNeed } from '../bus_order';
@@ -18,7 +19,7 @@ import type { Bridge, Bus, Counts, Device } from '../types';
 import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
 
 export const texts = {
-  ...siteTexts, ...adviceTexts,
+  ...siteTexts, ...adviceTexts, ...bridgeTexts,
   'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
   'overview.used': ['Used', '占用'], 'overview.planned-hint': ['Share of the wire that the read plan needs', '读取计划所需的总线时间比例'],
   'overview.measured-hint': ['Share of the wire that reading took in the last 10 s', '最近 10 秒读取所占的总线时间比例'],
@@ -162,7 +163,7 @@ function card(context: Context, { bus, tally, alarms }: BusView): TemplateResult
         t('overview.last-minute', { n: count(recent.by) })}</span>` : nothing} ${bus.deadline_misses ? causes(bus.misses) : nothing}`, true)}
       ${fact(t('overview.causes'), causes(bus.causes), true)}
       ${late ? fact(t('overview.late'), html`<span class="warn">◆ ${late}</span>`, true) : nothing}
-      ${overload ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span> ${overload}`, true) : nothing}
+      ${overload ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span> ${overload} ${bridgeAdvice(context, bus)}`, true) : nothing}
     </dl>
     <footer><a href=${link('live', [], { q: `${bus.bus}/*` })}>${t('overview.show')}</a><a href=${link('plan', [bus.bus])}>${t('overview.plan')}</a></footer>
   </article>`;

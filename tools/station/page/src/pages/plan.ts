@@ -5,6 +5,7 @@ import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
 import { ApiError, query, request } from '../api';
+import { bridgeAdvice } from '../bridge_advice';
 import { overloadText, planAdvice } from '../bus_advice';
 import type { Change, Context, MakePage, Page } from '../context';
 import { count, duration, percent, time } from '../format';
@@ -195,7 +196,7 @@ class PlanPage implements Page {
         ${fact(t('plan.stretch'), plan.stretch > 1.005 ? html`<span class="warn">◆ ×${plan.stretch.toFixed(2)}</span>` : t('plan.no-stretch'))}
         ${plan.in_force_since_ms ? fact(t('plan.since'), time(plan.in_force_since_ms, this.context.now())) : nothing}
       </dl>${plan.load > 1 || plan.stretch > 1.005 ? html`<p class="plan-advice warn">◆ ${
-        [overloadText({ planned_load: plan.load, stretch: plan.stretch }), ...planAdvice(plan)].join(' ')}</p>` : nothing}</section>`;
+        [overloadText({ planned_load: plan.load, stretch: plan.stretch }), ...planAdvice(plan)].join(' ')}</p>${bridgeAdvice(this.context, bus)}` : nothing}</section>`;
   }
 
   private picture(plan: ReadPlan): TemplateResult {
