@@ -37,6 +37,10 @@ constexpr Duration kLongestSettling = std::chrono::seconds{1};
 constexpr Duration kLatestSend = std::chrono::milliseconds{20};
 // Minimum, also if the state changes more often.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
+// The thread of a serial bus waits at its port for events that are so close, not by the io_context.
+constexpr Duration kClose = std::chrono::milliseconds{20};
+// After this time the io_context has its turn: its timers are late by at most twice this time.
+constexpr Duration kLongestTurn = std::chrono::milliseconds{50};
 
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
   if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // the reason names the module
@@ -71,6 +75,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         plans_(plans),
         spec_(spec),
         fenced_(fence_of(spec.port).is(Fence::kListen)),
+        serial_(std::holds_alternative<SerialPortSpec>(spec.port)),
         sink_(sink),
         engine_(spec, codec_),
         port_(make_port(io, spec.port, modules)),
@@ -174,9 +179,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void set_trace(bool on) { record_.set_trace(on); }
   void set_capture(std::shared_ptr<CaptureTap> tap) { record_.set_tap(std::move(tap)); }
 
-  void on_timer() {
-    port_->poll();
-    process(TimerFired{}, steady_now());
+  void on_alarm() {
+    if (waits_at_port_ || stopped_) return;
+    timer_.at() <= steady_now() ? on_timer() : timer_.arm();
   }
 
   void on_opened() override {
@@ -252,6 +257,42 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     processing_ = false;
     if (std::exchange(not_sent_, false)) process(NotSent{}, steady_now());
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
+    wait_for_next(now);
+  }
+
+  void on_timer() {
+    port_->poll();
+    const Instant now = steady_now();
+    if (timer_.take(now)) process(TimerFired{}, now);
+  }
+
+  // Chooses how this thread waits for the next event: by the io_context, or at the port.
+  void wait_for_next(Instant now) {
+    if (waits_at_port_ || stopped_) return;
+    if (!is_close(now)) return wait_by_io();
+    waits_at_port_ = true;
+    asio::post(io_, [self = shared_from_this()] { self->wait_at_port(); });
+  }
+  [[nodiscard]] bool is_close(Instant now) const {
+    return serial_ && open_ && !revoked_ && !stopped_ &&
+           (engine_.exchanging() || (timer_.at() != kNever && timer_.at() - now <= kClose));
+  }
+  void wait_by_io() {
+    port_->watch();
+    timer_.arm();
+  }
+  void wait_at_port() {
+    const Instant end = steady_now() + kLongestTurn;
+    bool possible = true;
+    for (Instant now = end - kLongestTurn;
+         possible && now < end && is_close(now) && !gate_->any_pending(); now = steady_now()) {
+      possible = gate_->wait(
+          [&](int wake) { return port_->wait(std::min(timer_.at(), now + kLongestTurn), wake); });
+      if (timer_.at() <= steady_now()) on_timer();
+    }
+    waits_at_port_ = false;
+    if (stopped_) return;
+    possible ? wait_for_next(steady_now()) : wait_by_io();
   }
 
   // On a fenced wire a late request may collide with another master. A request without the master's
@@ -269,6 +310,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
     if (send.response_baud != 0) port_->receive_at(send.response_baud, send.bytes.size());
+    port_->expect_response(send.bytes.size(), engine_.expected());
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }
@@ -369,6 +411,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
   const bool fenced_;  // other masters may be on the wire
+  const bool serial_;
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;
@@ -397,6 +440,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool was_open_ = false;
   bool not_sent_ = false;  // the last Send was not executed
   bool processing_ = false;
+  bool waits_at_port_ = false;
   bool stopped_ = false;
 };
 
