@@ -14,6 +14,7 @@
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/bus/iconv_codec.hpp"
+#include "bridge/bus/port_wait.hpp"
 #include "bridge/bus/runner_timing.hpp"
 #include "bridge/bus/wire_record.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -37,10 +38,6 @@ constexpr Duration kLongestSettling = std::chrono::seconds{1};
 constexpr Duration kLatestSend = std::chrono::milliseconds{20};
 // Minimum, also if the state changes more often.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
-// The thread of a serial bus waits at its port for events that are so close, not by the io_context.
-constexpr Duration kClose = std::chrono::milliseconds{20};
-// After this time the io_context has its turn: its timers are late by at most twice this time.
-constexpr Duration kLongestTurn = std::chrono::milliseconds{50};
 
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
   if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // the reason names the module
@@ -179,9 +176,15 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void set_trace(bool on) { record_.set_trace(on); }
   void set_capture(std::shared_ptr<CaptureTap> tap) { record_.set_tap(std::move(tap)); }
 
-  void on_alarm() {
-    if (waits_at_port_ || stopped_) return;
-    timer_.at() <= steady_now() ? on_timer() : timer_.arm();
+  void on_alarm() { wait_.on_alarm(); }
+  void on_timer() {
+    port_->poll();
+    const Instant now = steady_now();
+    if (!stopped_ && timer_.take(now)) process(TimerFired{}, now);
+  }
+  [[nodiscard]] bool awaits_close(Instant now) const {
+    return serial_ && open_ && !revoked_ && !stopped_ &&
+           (engine_.exchanging() || timer_.at() - now <= PortWait<Loop>::kClose);
   }
 
   void on_opened() override {
@@ -257,42 +260,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     processing_ = false;
     if (std::exchange(not_sent_, false)) process(NotSent{}, steady_now());
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
-    wait_for_next(now);
-  }
-
-  void on_timer() {
-    port_->poll();
-    const Instant now = steady_now();
-    if (timer_.take(now)) process(TimerFired{}, now);
-  }
-
-  // Chooses how this thread waits for the next event: by the io_context, or at the port.
-  void wait_for_next(Instant now) {
-    if (waits_at_port_ || stopped_) return;
-    if (!is_close(now)) return wait_by_io();
-    waits_at_port_ = true;
-    asio::post(io_, [self = shared_from_this()] { self->wait_at_port(); });
-  }
-  [[nodiscard]] bool is_close(Instant now) const {
-    return serial_ && open_ && !revoked_ && !stopped_ &&
-           (engine_.exchanging() || (timer_.at() != kNever && timer_.at() - now <= kClose));
-  }
-  void wait_by_io() {
-    port_->watch();
-    timer_.arm();
-  }
-  void wait_at_port() {
-    const Instant end = steady_now() + kLongestTurn;
-    bool possible = true;
-    for (Instant now = end - kLongestTurn;
-         possible && now < end && is_close(now) && !gate_->any_pending(); now = steady_now()) {
-      possible = gate_->wait(
-          [&](int wake) { return port_->wait(std::min(timer_.at(), now + kLongestTurn), wake); });
-      if (timer_.at() <= steady_now()) on_timer();
-    }
-    waits_at_port_ = false;
-    if (stopped_) return;
-    possible ? wait_for_next(steady_now()) : wait_by_io();
+    wait_.next(now);
   }
 
   // On a fenced wire a late request may collide with another master. A request without the master's
@@ -417,6 +385,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   BusEngine engine_;
   std::unique_ptr<Port> port_;
   EngineTimer<Loop> timer_;
+  PortWait<Loop> wait_{io_, *gate_, timer_, *port_, *this};
   asio::steady_timer reopening_;
   asio::steady_timer ticking_;
   asio::steady_timer settled_;
@@ -440,7 +409,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool was_open_ = false;
   bool not_sent_ = false;  // the last Send was not executed
   bool processing_ = false;
-  bool waits_at_port_ = false;
   bool stopped_ = false;
 };
 
