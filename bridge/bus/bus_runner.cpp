@@ -14,6 +14,7 @@
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/bus/iconv_codec.hpp"
+#include "bridge/bus/port_wait.hpp"
 #include "bridge/bus/runner_timing.hpp"
 #include "bridge/bus/wire_record.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -71,6 +72,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         plans_(plans),
         spec_(spec),
         fenced_(fence_of(spec.port).is(Fence::kListen)),
+        serial_(std::holds_alternative<SerialPortSpec>(spec.port)),
         sink_(sink),
         engine_(spec, codec_),
         port_(make_port(io, spec.port, modules)),
@@ -174,9 +176,15 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void set_trace(bool on) { record_.set_trace(on); }
   void set_capture(std::shared_ptr<CaptureTap> tap) { record_.set_tap(std::move(tap)); }
 
+  void on_alarm() { wait_.on_alarm(); }
   void on_timer() {
     port_->poll();
-    process(TimerFired{}, steady_now());
+    const Instant now = steady_now();
+    if (!stopped_ && timer_.take(now)) process(TimerFired{}, now);
+  }
+  [[nodiscard]] bool awaits_close(Instant now) const {
+    return serial_ && open_ && !revoked_ && !stopped_ &&
+           (engine_.exchanging() || timer_.at() - now <= PortWait<Loop>::kClose);
   }
 
   void on_opened() override {
@@ -252,6 +260,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     processing_ = false;
     if (std::exchange(not_sent_, false)) process(NotSent{}, steady_now());
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
+    wait_.next(now);
   }
 
   // On a fenced wire a late request may collide with another master. A request without the master's
@@ -269,6 +278,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
     if (send.response_baud != 0) port_->receive_at(send.response_baud, send.bytes.size());
+    port_->expect_response(send.bytes.size(), engine_.expected());
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }
@@ -369,11 +379,13 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
   const bool fenced_;  // other masters may be on the wire
+  const bool serial_;
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;
   std::unique_ptr<Port> port_;
   EngineTimer<Loop> timer_;
+  PortWait<Loop> wait_{io_, *gate_, timer_, *port_, *this};
   asio::steady_timer reopening_;
   asio::steady_timer ticking_;
   asio::steady_timer settled_;

@@ -50,8 +50,18 @@ class Port {
                           [[maybe_unused]] std::size_t characters) {}
   // A hint: at least so many characters are missing; the port may sleep for their time.
   virtual void expect(std::uint32_t characters) = 0;
+  // The same after write() of `request` characters to which `response` are expected; 0: unknown.
+  virtual void expect_response([[maybe_unused]] std::size_t request,
+                               [[maybe_unused]] std::size_t response) {}
   // Delivers arrived bytes. Call before a timeout is handled, as the process may have been delayed.
   virtual void poll() = 0;
+  // Waits for bytes on the calling thread, until `until` or until `wake` is readable, and delivers
+  // those that arrive. This needs fewer system calls than a wait by the io_context, which does not
+  // watch the line until watch() is called. Returns false, without a wait, if that is not possible.
+  [[nodiscard]] virtual bool wait([[maybe_unused]] Instant until, [[maybe_unused]] int wake) {
+    return false;
+  }
+  virtual void watch() {}
   virtual void close() = 0;
   // The bus ends: close(), but a dialled-in module stays connected for the next bus.
   virtual void retire() { close(); }
@@ -92,6 +102,7 @@ class Unsent {
   // Appends bytes and writes as many as the descriptor accepts. kBlocked: call again without bytes
   // when writable. kFailed: see errno. kFull: more than Port::kMaxUnsent bytes would wait.
   Outcome write(int fd, ByteView bytes);
+  [[nodiscard]] bool empty() const { return rest_.empty(); }
 
  private:
   [[nodiscard]] ssize_t write_some(int fd, ByteView bytes) const;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <boost/asio/post.hpp>
@@ -31,6 +32,7 @@ void Stream::write(ByteView bytes) {
   if (!usable()) return;
   before_write(fd());
   drop_stale();
+  sleep_until_ = {};
   push(bytes);
 }
 
@@ -42,6 +44,27 @@ void Stream::poll() {
   if (!usable()) return;
   fetch();
   (void)take();
+}
+
+bool Stream::wait(Instant until, int wake) {
+  if (!usable() || tls_ || !unsent_.empty() || !can_wait()) return false;
+  attended_ = true;
+  const auto keep = shared_from_this();  // the listener may close the port
+  const Instant now = steady_now();
+  const bool sleeps = sleep_until_ > now;  // the response accumulates in the kernel
+  const Duration left =
+      std::max((sleeps ? std::min(until, sleep_until_) : until) - now, Duration{});
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec timeout{seconds.count(), (left - seconds).count()};
+  std::array<pollfd, 2> watched{{{wake, POLLIN, 0}, {fd(), POLLIN, 0}}};
+  ::ppoll(watched.data(), sleeps ? 1 : 2, &timeout, nullptr);
+  const bool woken = watched[0].revents != 0;
+  if (watched[1].revents != 0 || (sleeps && !woken && sleep_until_ <= until)) (void)take();
+  return true;
+}
+
+void Stream::watch() {
+  if (std::exchange(attended_, false)) wait_for_bytes();
 }
 
 void Stream::close() {
@@ -101,10 +124,10 @@ void Stream::push_raw(ByteView bytes) {
 // Waits for readiness and reads in two steps. Bytes that were read are delivered immediately, so
 // poll() may be called in between.
 void Stream::wait_for_bytes() {
-  if (over_ || leased_ || std::exchange(waiting_, true)) return;
+  if (over_ || leased_ || attended_ || std::exchange(waiting_, true)) return;
   readiness_.wait_readable([self = shared_from_this()](boost::system::error_code fault) {
     self->waiting_ = false;
-    if (self->over_ || self->leased_) return;
+    if (self->over_ || self->leased_ || self->attended_) return;
     if (fault) return self->fail({fault.message()});
     self->on_readable();
   });

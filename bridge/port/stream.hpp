@@ -43,8 +43,13 @@ class Stream : public std::enable_shared_from_this<Stream> {
   void close();
   [[nodiscard]] FileDescriptor lease();
   void end_lease();
-  // Sleeps this long before the next wait for bytes. Applies until the next delivery.
-  void sleep_for(Duration time) { sleep_ = time; }
+  [[nodiscard]] bool wait(Instant until, int wake);
+  void watch();
+  // Sleeps this long before the next wait for bytes. Applies until the next delivery or write().
+  void sleep_for(Duration time) {
+    sleep_ = time;
+    sleep_until_ = steady_now() + time;
+  }
 
   // Ends the stream and returns the open descriptor. Invalid if the stream has ended or is leased.
   [[nodiscard]] FileDescriptor release();
@@ -67,6 +72,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   virtual void fetch() {}
   // After received bytes, and what was sent because of them.
   virtual void acknowledge(int) {}
+  // False while a timer of the io_context must be exact.
+  [[nodiscard]] virtual bool can_wait() const { return true; }
   // Each read is a datagram, which may be empty.
   [[nodiscard]] virtual bool datagrams() const { return false; }
 
@@ -93,10 +100,12 @@ class Stream : public std::enable_shared_from_this<Stream> {
   boost::asio::steady_timer timer_;
   Unsent unsent_;
   Duration sleep_{};
+  Instant sleep_until_{};
   bool decrypted_ = false;  // any byte of the line, by TLS
   bool over_ = false;
   bool leased_ = false;
-  bool waiting_ = false;
+  bool waiting_ = false;   // for the io_context
+  bool attended_ = false;  // by wait(), since the last watch()
   std::array<std::uint8_t, 4096> buffer_;
 };
 

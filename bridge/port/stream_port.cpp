@@ -50,6 +50,15 @@ void StreamPort::poll() {
   if (Stream* line = stream()) line->poll();
 }
 
+bool StreamPort::wait(Instant until, int wake) {
+  Stream* line = stream();
+  return line != nullptr && line->wait(until, wake);
+}
+
+void StreamPort::watch() {
+  if (Stream* line = stream()) line->watch();
+}
+
 FileDescriptor StreamPort::lease() {
   Stream* line = stream();
   return line ? line->lease() : FileDescriptor{};

@@ -46,6 +46,8 @@ class StreamPort : public Port {
   void write_more(ByteView bytes) final;
   void expect(std::uint32_t characters) override;
   void poll() final;
+  bool wait(Instant until, int wake) final;
+  void watch() final;
   void close() final;
   FileDescriptor lease() final;
   void end_lease() final;

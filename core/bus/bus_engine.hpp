@@ -41,6 +41,8 @@ class BusEngine {
   [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
+  // Characters of the whole response to the request that was sent; 0 if unknown.
+  [[nodiscard]] std::size_t expected() const { return parts_.wire().driver().expected(); }
   // Minimum of missing characters of the response; 0 if unknown. The shell may wait for them.
   [[nodiscard]] std::uint32_t missing() const {
     return parts_.wires.size() == 1 ? parts_.wire().driver().missing() : 0;

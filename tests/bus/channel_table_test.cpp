@@ -228,6 +228,22 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
   EXPECT_EQ(out[0].quality, Quality::kBadNoResponse);
 }
 
+TEST(ChannelTable, AChannelThatWasReadDoesNotWakeTheBusAtItsFormerTime) {
+  const BusSpec bus = one_device({channel("a", 1s), channel("b", 10s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.start(Instant{});
+  const Instant first = table.next_expiry();
+  table.acquired(0, 16, items(7), Instant{900ms}, out);
+  table.acquired(1, 16, items(7), Instant{900ms}, out);
+  out.clear();
+  table.expire(Instant{900ms}, out);
+  EXPECT_GE(table.next_expiry(), first + 900ms);
+  EXPECT_LT(table.next_expiry(), first + 2s);
+  table.expire(table.next_expiry(), out);
+  EXPECT_EQ(out.size(), 1u);
+}
+
 TEST(ChannelTable, ShorterRefreshTakesEffectImmediately) {
   ChannelSpec asked_for = channel("a", 10s);
   asked_for.on_interest = true;

@@ -100,7 +100,7 @@ CauseCounters ChannelTable::misses(Instant now) const {
   return all;
 }
 
-// Does nothing if an earlier entry is queued; that entry is queued again when it expires.
+// Does nothing if an earlier entry is queued; expire() queues that entry again.
 void ChannelTable::queue(ChannelIndex channel) {
   Entry& entry = entries_[channel];
   const Instant due = entry.freshness.due();
@@ -220,10 +220,12 @@ void ChannelTable::start(Instant now) {
 }
 
 void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
-  while (!expiries_.empty() && expiries_.top().at <= now) {
+  while (!expiries_.empty()) {
     const auto [at, channel] = expiries_.top();
-    expiries_.pop();
     Entry& entry = entries_[channel];
+    // An entry of a channel that was read since then would wake the bus for nothing.
+    if (at > now && at == entry.queued && at == entry.freshness.due()) return;
+    expiries_.pop();
     if (at != entry.queued) continue;
     entry.queued = kNever;
     if (entry.freshness.due() > now) {

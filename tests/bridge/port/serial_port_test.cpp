@@ -3,6 +3,7 @@
 #include <asm/termbits.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/eventfd.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
@@ -100,6 +101,65 @@ TEST_F(SerialPortTest, PollingDeliversImmediatelyWhatHasArrived) {
   pty.send(Bytes{3});
   ASSERT_TRUE(run_until(io, [this] { return probe.received.size() == 3; }));
   EXPECT_EQ(probe.received, (Bytes{1, 2, 3}));
+}
+
+TEST_F(SerialPortTest, AWaitOfItsThreadDeliversWhatArrivesAndLeavesTheRestToTheIoContext) {
+  SerialPort port(io, spec());
+  EXPECT_FALSE(port.wait(steady_now(), -1)) << "closed";
+  open(port);
+  pty.send(Bytes{1, 2});
+  EXPECT_TRUE(port.wait(kNever, -1));
+  EXPECT_EQ(probe.received, (Bytes{1, 2}));
+  const Instant until = steady_now() + std::chrono::milliseconds{5};
+  EXPECT_TRUE(port.wait(until, -1));
+  EXPECT_GE(steady_now(), until);
+  pty.send(Bytes{3});
+  while (io.poll_one() > 0) {}
+  EXPECT_EQ(probe.deliveries, 1) << "the io_context does not watch the line";
+  port.watch();
+  ASSERT_TRUE(run_until(io, [this] { return probe.received.size() == 3; }));
+}
+
+TEST_F(SerialPortTest, AWaitOfItsThreadEndsWhenItIsWoken) {
+  SerialPort port(io, spec());
+  open(port);
+  const FileDescriptor wake(::eventfd(1, EFD_CLOEXEC));
+  EXPECT_TRUE(port.wait(kNever, wake.get()));
+  port.write(Bytes(8));
+  port.expect_response(8, 200);
+  EXPECT_TRUE(port.wait(kNever, wake.get()));
+  EXPECT_EQ(probe.deliveries, 0);
+}
+
+TEST_F(SerialPortTest, AWaitOfItsThreadSleepsWhileNoResponseCanBeComplete) {
+  SerialPortSpec slow = spec();
+  slow.line.baud = 19200;
+  SerialPort port(io, slow);
+  open(port);
+  const Instant began = steady_now();
+  port.write(Bytes(8));
+  port.expect_response(8, 40);
+  pty.send(Bytes(40));
+  EXPECT_TRUE(port.wait(kNever, -1));
+  EXPECT_EQ(probe.received.size(), 40u);
+  // Earlier than a device can respond: the engine then knows that it belongs to another request.
+  EXPECT_GE(probe.arrived - began, slow.line.characters(8 + 40 - 4));
+  EXPECT_EQ(pty.receive(8).size(), 8u);
+  pty.send(Bytes{1});
+  port.write(Bytes{2});  // drops what was not the response, and the sleep
+  pty.send(Bytes{3});
+  EXPECT_TRUE(port.wait(kNever, -1));
+  EXPECT_EQ(probe.received.back(), 3u);
+}
+
+TEST_F(SerialPortTest, ALineThatChangesItsRateIsLeftToTheIoContext) {
+  SerialPort port(io, spec());
+  open(port);
+  port.write(Bytes{1});
+  port.receive_at(9600, 1);
+  EXPECT_FALSE(port.wait(kNever, -1));
+  port.write(Bytes{2});
+  EXPECT_TRUE(port.wait(steady_now(), -1));
 }
 
 TEST_F(SerialPortTest, ArrivalIsTheInstantOfReading) {
