@@ -78,6 +78,11 @@ TEST(JsonText, ValuesAreExact) {
   EXPECT_EQ(value_of(std::string("a\xE4")), R"("a\\xE4")");
 }
 
+TEST(JsonText, TimesAreMilliseconds) {
+  EXPECT_EQ(milliseconds(std::chrono::microseconds{1500}), 1.5);
+  EXPECT_EQ(unix_ms({2'500'000}), 2.5);
+}
+
 TEST(JsonText, AnObjectSetsItsCommas) {
   EXPECT_EQ(JsonObject().take(), "{}");
   EXPECT_EQ(JsonObject()

@@ -63,5 +63,15 @@ TEST(NearMiss, AnotherWordIsNotANearMiss) {
   EXPECT_EQ(near_miss(std::string(1000, 'c'), words), "");
 }
 
+TEST(ChannelPathText, HasThreeSegments) {
+  const auto path = ChannelPath::parse("press-shop/press-1/running");
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->bus, "press-shop");
+  EXPECT_EQ(path->device, "press-1");
+  EXPECT_EQ(path->channel, "running");
+  for (const char* text : {"", "a", "a/b", "/b/c", "a//c", "a/b/", "a/b/c/d"})
+    EXPECT_FALSE(ChannelPath::parse(text)) << text;
+}
+
 }  // namespace
 }  // namespace fieldcast

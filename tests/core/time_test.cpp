@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/cause.hpp"
+#include "core/base/duration_text.hpp"
 #include "core/base/value.hpp"
 
 namespace fieldcast {
@@ -83,6 +84,14 @@ TEST(CauseCounters, ACountMovesToASecondCause) {
   counters.move(Cause::kTruncated, Cause::kForeign);
   EXPECT_EQ(counters[Cause::kTruncated], 2u);
   EXPECT_EQ(counters[Cause::kForeign], 1u);
+}
+
+TEST(DurationText, UnitsInCapitalsAreUnderstood) {
+  const auto meant = [](std::string_view text) {
+    return read_duration(text, {1ms, 240h}).error().suggestion;
+  };
+  EXPECT_EQ(meant("1DAY"), "1d");
+  EXPECT_EQ(meant("5 Seconds"), "5s");
 }
 
 }  // namespace

@@ -451,5 +451,27 @@ TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
   EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551616"), range);
 }
 
+TEST(EncodingText, IsReadAgain) {
+  for (const char* text : {"bool", "uint16", "float64", "string(1)", "string(16)"}) {
+    const auto encoding = encoding_from(text);
+    ASSERT_TRUE(encoding) << text;
+    EXPECT_EQ(to_text(*encoding), text);
+  }
+  for (const char* text : {"", "uint17", "uint16(2)", "string", "string(", "string()", "string(0)",
+                           "string(16", "string(16))", "string(16]", "string(99999)"})
+    EXPECT_FALSE(encoding_from(text)) << text;
+  EXPECT_EQ(encoding_from("string(" + std::to_string(kMaxStringBytes) + ")")->string_bytes,
+            kMaxStringBytes);
+  EXPECT_FALSE(encoding_from("string(" + std::to_string(kMaxStringBytes + 1) + ")"));
+}
+
+TEST(ValueText, WordsOfABoolHaveNoCase) {
+  const Encoding encoding{.type = ValueType::kBool};
+  for (const char* text : {"FALSE", "Off", "NO", "0"})
+    EXPECT_EQ(parse_value(encoding, text), Value{false}) << text;
+  for (const char* text : {"TRUE", "On", "YES", "1"})
+    EXPECT_EQ(parse_value(encoding, text), Value{true}) << text;
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -156,6 +156,17 @@ TEST(LoginThrottle, HoldsABoundedNumberOfKeysAndKeepsTheNewest) {
   EXPECT_EQ(throttle.wait("ann", "10.0.0.1", now), seconds{1});
 }
 
+TEST(LoginThrottle, ForgetsTheOldestKeysWhenItIsFull) {
+  LoginThrottle throttle;
+  fail(throttle, 5, "ann", "10.0.0.9");
+  const Instant later = kStart + seconds{1};
+  EXPECT_GT(throttle.wait("ann", "10.0.0.9", later), Duration{});
+  // Each failure adds the key of the peer and that of its user.
+  for (std::size_t i = 0; i < LoginThrottle::kMaxKeys / 2; ++i)
+    throttle.failed("u", std::to_string(i), later);
+  EXPECT_EQ(throttle.wait("ann", "10.0.0.9", later), Duration{});
+}
+
 TEST(Role, EachMayWhatTheOnesBeforeItMay) {
   EXPECT_TRUE(may(Role::kProgrammer, Role::kOperator));
   EXPECT_TRUE(may(Role::kOperator, Role::kOperator));

@@ -102,5 +102,14 @@ TEST(Evaluation, QualityIsTheMaximumOfTheInputs) {
   }
 }
 
+TEST(Evaluation, AnInputIsTheNumberOfItsSample) {
+  const auto number = [](Value value) { return state_of({.value = std::move(value)}).value; };
+  EXPECT_EQ(number(false), 0);
+  EXPECT_EQ(number(true), 1);
+  EXPECT_EQ(number(std::int64_t{-3}), -3);
+  EXPECT_EQ(number(2.5), 2.5);
+  EXPECT_EQ(number(std::string("5")), 0);
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -177,5 +177,32 @@ TEST(TraceText, WhatIsNotATraceIsNone) {
     EXPECT_FALSE(parse_trace_text(text)) << text;
 }
 
+TEST(UpperPdu, WhatIsWrittenIsReadAgain) {
+  const Bytes frame{1, 3, 0, 100};
+  for (const std::string_view column : {"", "Modbus/RTU"}) {
+    const Bytes sent = make_upper_pdu("mbrtu", column, Direction::kSent, frame);
+    EXPECT_EQ(sent.size() % 4, 0u);
+    const auto pdu = parse_upper_pdu(sent);
+    ASSERT_TRUE(pdu);
+    EXPECT_EQ(pdu->dissector, "mbrtu");
+    EXPECT_EQ(pdu->column, column);
+    EXPECT_EQ(pdu->source_port, kMasterPort);
+    EXPECT_EQ(pdu->destination_port, kDevicePort);
+    EXPECT_TRUE(std::equal(pdu->frame.begin(), pdu->frame.end(), frame.begin(), frame.end()));
+  }
+  const Bytes received = make_upper_pdu("mbrtu", "", Direction::kReceived, frame);
+  EXPECT_EQ(parse_upper_pdu(received)->source_port, kDevicePort);
+  EXPECT_EQ(parse_upper_pdu(received)->destination_port, kMasterPort);
+}
+
+TEST(UpperPdu, TagsWithoutAnEndAreRefused) {
+  const Bytes sent = make_upper_pdu("mbrtu", "", Direction::kSent, {});
+  for (std::size_t size = 0; size < sent.size(); ++size)
+    EXPECT_FALSE(parse_upper_pdu(ByteView(sent).first(size))) << size;
+  const Bytes odd = *from_hex("00 19 00 03 00 00 01 00 00 00 00");
+  ASSERT_TRUE(parse_upper_pdu(odd));
+  EXPECT_EQ(parse_upper_pdu(odd)->source_port, std::nullopt) << "a port has four bytes";
+}
+
 }  // namespace
 }  // namespace fieldcast
