@@ -25,6 +25,7 @@ store: { path: {run}/bridge.db }""" + modbus_line(device="meter") + METER + """
           - { name: ratio, calculate: voltage / current }
           - { name: running, calculate: power > 100, type: bool }
           - { name: total, calculate: "power + {second/meter/power}", unit: W }
+          - { name: doubled, calculate: "2 * {second/meter/seldom}" }
   - name: second
     port: { serial: {run}/second, baud: 115200 }
     protocol: modbus-rtu
@@ -35,6 +36,7 @@ store: { path: {run}/bridge.db }""" + modbus_line(device="meter") + METER + """
         channels:
 """ + METER + """
           - { name: power, calculate: voltage * current, unit: W }
+          - { name: seldom, at: "holding:2", type: uint16, acquire: on-interest }
 """
 
 
@@ -118,10 +120,21 @@ class Calculated(unittest.TestCase):
                 return browser.get("/api/history?channel=line/meter/power&from=5min")["series"][0].get("last")
             wait_until(lambda: 6900 in (stored() or []), SECONDS, lambda: str(browser.get("/api/history?channel=line/meter/power&from=5min"))[:500])
 
+    def test_interest_in_it_reads_inputs_that_are_read_on_interest(self):
+        self.wait_for("line/meter/doubled", quality="NOT_YET_READ")
+        self.assertEqual(self.last("second/meter/seldom")["quality"], "NOT_YET_READ")
+        interested = self.plant.start_cli("watch", "line/meter/doubled", "--refresh", "200ms", "--json", "--for", f"{SECONDS}s")
+        try:
+            self.wait_for("line/meter/doubled", quality="GOOD")
+        finally:
+            interested.kill()
+            interested.wait()
+        self.wait_for("second/meter/seldom", quality="UNCERTAIN")  # the interest has expired
+
     def test_the_plan_needs_no_wire_for_it(self):
         result = run_cli(BIN_DIR, "plan", self.plant.file)
         self.assertEqual(result.code, 0, str(result))
-        self.assertIn("4 channels are calculated by the bridge; they need no wire", result.out)
+        self.assertIn("5 channels are calculated by the bridge; they need no wire", result.out)
 
     def test_z_a_reload_changes_an_expression_and_leaves_the_other_bus_alone(self):
         self.write("line", 10, 3)

@@ -335,6 +335,23 @@ class Notifications(unittest.TestCase):
                 self.assertIn("fieldcast_station_notifications_sent_total 1\n", text)
                 self.assertIn("fieldcast_station_notifications_failed_total 4\n", text)
 
+    def test_5_an_engineer_reads_the_rules_and_sends_a_test(self):
+        inbox, port = Inbox(), free_port()
+        rules = '[{ name: night, to: [crew], patterns: ["line/press/none"], priority: high, hours: ["mon-fri 18:00-06:00", sat-sun], escalate: [{ after: 30min, to: [chat] }] }]'
+        text = configuration("rules", port, rules)
+        with Smtp(inbox, port), station("rules", text.replace("local-role: operator", "local-role: engineer")) as running:
+            rule = state(running)["rules"][0]
+            self.assertEqual((rule["name"], rule["to"], rule["priority"], rule["hours"], rule["escalate"]),
+                             ("night", ["crew"], "high", ["mon-fri 18:00-06:00", "sat-sun"], [{"after_ms": 1800000.0, "to": ["chat"]}]))
+            send = lambda target: Browser(running).ask("POST", "/api/notifications/test", {"target": target})[0]
+            self.assertEqual((send("nobody"), send(7), send("crew")), (404, 404, 200))
+            wait_until(lambda: to(inbox, "ann@plant.example"), SECONDS, running.log)
+            self.assertTrue(to(inbox, "ann@plant.example")[0]["Subject"].startswith("TEST"))
+            wait_until(lambda: state(running)["messages"][0]["state"] == "sent", SECONDS, running.log)
+            self.assertEqual(len(inbox.mails), 1)
+        with station("rules", text) as running:
+            self.assertEqual(Browser(running).ask("POST", "/api/notifications/test", {"target": "crew"})[0], 403)
+
     def test_5_a_flood_is_one_digest(self):
         with Hook(200) as hook:
             rules = '[{ name: all, to: [chat], patterns: ["line/press/flood-*"], digest: 1, digest-within: 10s }]'

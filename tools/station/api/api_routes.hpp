@@ -39,7 +39,7 @@ struct Api {
   const Store* store = nullptr;
   const Recorder* recorder = nullptr;
   Audit* audit = nullptr;
-  const Notifier* notifier = nullptr;                // null if nobody is notified
+  Notifier* notifier = nullptr;                      // null if nobody is notified
   const std::vector<ReportSpec>* reports = nullptr;  // by schedule
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
@@ -52,7 +52,8 @@ using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller
 
 ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
     show_devices, show_history, show_interests, show_metrics, show_notifications, show_openapi,
-    show_plan, show_report, show_result, show_sessions, show_sites, show_users, export_history;
+    test_notification, show_plan, show_report, show_result, show_sessions, show_sites, show_users,
+    export_history;
 ApiHandler show_configuration, check_configuration, deploy_configuration, confirm_configuration,
     roll_back_configuration, show_configuration_versions, show_configuration_version,
     show_configuration_schema, show_device_templates, import_configuration, probe_device, scan_bus;
@@ -114,6 +115,7 @@ inline constexpr ApiRow kApiRows[] = {
     {Method::kGet, "/api/history", Access::kViewer, show_history, true},
     {Method::kGet, "/api/interests", Access::kViewer, show_interests},
     {Method::kGet, "/api/notifications", Access::kOperator, show_notifications},
+    {Method::kPost, "/api/notifications/test", Access::kEngineer, test_notification, true},
     {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
     {Method::kGet, "/api/picture", Access::kViewer, show_picture, true},
     {Method::kGet, "/api/pictures", Access::kViewer, list_pictures, true},

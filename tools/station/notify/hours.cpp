@@ -1,5 +1,7 @@
 #include "tools/station/notify/hours.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ctime>
 #include <iterator>
@@ -74,6 +76,22 @@ std::optional<HoursSpan> hours_from(std::string_view text) {
   span.days = *days;
   if (space != text.npos && !read_times(text.substr(space + 1), span)) return std::nullopt;
   return span;
+}
+
+std::string to_text(const HoursSpan& span) {
+  constexpr unsigned kEveryDay = 0x7f;
+  const auto on = [&](int day) { return (span.days >> day % 7 & 1) != 0; };
+  int first = 0;
+  while (first < 7 && !(on(first) && !on(first + 6))) ++first;
+  int last = first;
+  while (last < first + 6 && on(last + 1)) ++last;
+  std::string days = span.days == kEveryDay ? "" : std::string(kDays[first % 7]);
+  if (last > first && !days.empty()) days += '-' + std::string(kDays[last % 7]);
+  const bool is_whole_day = span.from == 0 && span.to == kDay;
+  if (is_whole_day) return days.empty() ? "mon-sun" : days;
+  const std::string times = fmt::format("{:02}:{:02}-{:02}:{:02}", span.from / 60, span.from % 60,
+                                        span.to / 60, span.to % 60);
+  return days.empty() ? times : days + ' ' + times;
 }
 
 bool in_hours(std::span<const HoursSpan> spans, const LocalMinute& at) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/base/time.hpp"
@@ -28,6 +29,8 @@ struct HoursSpan {
 // Days, times or both; empty if the text is invalid.
 inline constexpr std::string_view kHoursForm = "mon-fri 18:00-06:00, sat-sun or 08:00-17:00";
 [[nodiscard]] std::optional<HoursSpan> hours_from(std::string_view text);
+// A text that hours_from() reads as the same span.
+[[nodiscard]] std::string to_text(const HoursSpan& span);
 
 // Returns true also if there are no spans.
 [[nodiscard]] bool in_hours(std::span<const HoursSpan> spans, const LocalMinute& at);

@@ -160,6 +160,16 @@ void Notifier::send_heartbeats(BoundedQueue<Nothing>& queue) {
   } while (!queue.pause(spec_.heartbeat.every));
 }
 
+bool Notifier::has_target(const std::string& target) const {
+  return std::ranges::find(spec_.targets, target, &NotifyTarget::name) != spec_.targets.end();
+}
+
+bool Notifier::queue_test(const std::string& target) {
+  const auto found = std::ranges::find(spec_.targets, target, &NotifyTarget::name);
+  const UtcTime now = utc_now();
+  return outbox_.commit({}, {test_row(*found, station_, now)}, now);
+}
+
 Notifier::Report Notifier::report() const {
   Report report{outbox_.counters(), {}, beats_, failed_beats_};
   const std::lock_guard lock(mutex_);

@@ -46,6 +46,12 @@ class Notifier {
     std::uint64_t beats = 0, failed_beats = 0;
   };
   [[nodiscard]] Report report() const;  // any thread
+  [[nodiscard]] const std::vector<NotifyRule>& rules() const { return spec_.rules; }
+
+  // Puts a test message for the first recipient of a target into the queue. Returns false if the
+  // store is not available now. REQUIRES: has_target(). Any thread; waits for the database.
+  [[nodiscard]] bool queue_test(const std::string& target);
+  [[nodiscard]] bool has_target(const std::string& target) const;
 
  private:
   struct Nothing {};

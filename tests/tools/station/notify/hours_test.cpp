@@ -35,6 +35,13 @@ TEST(Hours, ANightBelongsToTheDayOnWhichItBegins) {
   EXPECT_TRUE(contains("sun 18:00-06:00", at(kMonday, 5)));
 }
 
+TEST(Hours, AreWrittenAsTheyAreRead) {
+  for (const char* text : {"mon-fri 18:00-06:00", "sat-sun", "08:00-17:00", "fri-mon", "sun",
+                           "wed 08:30-24:00", "mon-sun"})
+    EXPECT_EQ(to_text(*hours_from(text)), text);
+  EXPECT_EQ(to_text(*hours_from("mon-sun 08:00-17:00")), "08:00-17:00");
+}
+
 TEST(Hours, DaysMayWrapAndStandAlone) {
   EXPECT_TRUE(contains("sat-sun", at(kSunday, 0)));
   EXPECT_FALSE(contains("sat-sun", at(kMonday, 0)));

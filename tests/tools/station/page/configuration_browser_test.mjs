@@ -345,6 +345,18 @@ test('an overloaded bus shows an engineer the proposals of the bridge', { skip }
   assert.deepEqual([...await clipped(page), ...await browser.axe(page), ...browser.faults], []);
 });
 
+test('an engineer sends a test message', { skip }, async () => {
+  const rules = [{ name: 'all', to: ['crew'], patterns: ['*/*/*'], priority: 'low', hours: [], delay_ms: 0, repeat_ms: 0, repeats: 10, cleared: false, escalate: [], digest: 10, digest_within_ms: 300000 }];
+  mock.plant.messages = { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [{ name: 'crew', kind: 'mail', sent_ms: null, error: '' }], rules, messages: [] };
+  for (const [language, width, names] of [['en', 1280, ['Messages', 'Send a test to crew']], ['zh-CN', 390, ['通知消息', '向 crew 发送测试']]]) {
+    const page = await open('#/alarms', { language, width, dark: width === 390 });
+    await button(page, names[0]).click();
+    await button(page, names[1]).click();
+    await says(page, 'dialog td', /ann@plant\.example.*TEST: message/s);
+    assert.deepEqual([...await clipped(page), ...await browser.axe(page), ...browser.faults], []);
+  }
+});
+
 test('versions tell who and why, show their changes, are downloaded and returned to', { skip }, async () => {
   mock.configuration.put(firstText.replace('unit: °C', 'unit: K'), 'otto', 'kelvin');
   mock.configuration.end('confirmed by otto');

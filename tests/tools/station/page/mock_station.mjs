@@ -252,7 +252,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarmEvents() } : { alarms: plant.alarms }],
     '/api/history': (url) => [200, history(url, mock)],
     '/api/export': (url) => ({ csv: `published_at,channel\n${url.searchParams.getAll('channel').join('\n')}\n`, name: `${url.searchParams.getAll('channel').join('+').replaceAll('/', '_')}.csv` }),
-    '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], messages: [] }],
+    '/api/notifications': () => [200, plant.messages ?? { waiting: 0, sent: 0, failed: 0, lost: 0, targets: [], rules: [], messages: [] }],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
     '/api/document': (url) => ({ csv: `# ${url.searchParams.get('name')}\n`, type: 'text/plain' }),
@@ -262,6 +262,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   };
   const post = {
     '/api/alarms/acknowledge': ({ user }, { alarms, note }) => changeAlarms(alarms, (alarm) => ({ state: alarm.active ? 'acknowledged' : 'clear', acknowledged_by: user, acknowledged_ms: Date.now(), note })),
+    '/api/notifications/test': (_, { target }) => {
+      plant.messages.messages.unshift({ id: 't', target, recipient: 'ann@plant.example', subject: 'TEST: message', state: 'sent', made_ms: Date.now(), done_ms: Date.now(), attempts: 1, error: '' });
+      return [200, {}];
+    },
     '/api/alarms/shelve': ({ user }, { alarms, minutes, note }) => changeAlarms(alarms, () => ({ shelved_until_ms: Date.now() + minutes * 60_000, shelved_by: user, note })),
     '/api/alarms/unshelve': (_, { alarms }) => changeAlarms(alarms, () => ({ shelved_until_ms: null, shelved_by: '' })),
     '/api/alarms/maintenance': (_, { bus, device, minutes }) => changeAlarms(plant.alarms.filter((alarm) => alarm.bus === bus && alarm.device === device), () => ({ suppressed: minutes ? 'maintenance' : '' })),

@@ -112,11 +112,15 @@ test('the link of a message leads to its alarm, and messages that failed are lis
   const page = await open('#/alarms?alarm=press-shop%2Fdevice-01%2Fpressure-1%2Flow');
   assert.equal(await page.inputValue('input.filter'), 'press-shop/device-01/pressure-1');
   mock.plant.messages = { waiting: 1, sent: 0, failed: 3, lost: 2, targets: [{ name: 'crew', kind: 'mail', sent_ms: null, error: 'no route' }],
+    rules: [{ name: 'night', to: ['crew'], patterns: ['press-shop/*/*'], priority: 'high', hours: ['mon-fri 18:00-06:00', 'sat-sun'], delay_ms: 30000, repeat_ms: 900000, repeats: 10, cleared: true,
+      escalate: [{ after_ms: 1800000, to: ['chief'] }], digest: 10, digest_within_ms: 300000 }],
     messages: [{ id: 'a', target: 'crew', recipient: 'ann@plant.example', subject: 'ALARM <b>x</b>', state: 'waiting', made_ms: Date.now(), done_ms: null, attempts: 3, error: 'no route' }] };
   await page.click('button:has-text("Messages")');
   await page.waitForSelector('dialog td');
   const text = await page.textContent('dialog');
-  for (const part of ['Waiting: 1, lost: 2', '▲ crew', 'ann@plant.example', 'ALARM <b>x</b>', 'waiting (3×) no route']) assert.ok(text.includes(part), `${part}: ${text}`);
+  for (const part of ['Waiting: 1, lost: 2', '▲ crew', 'ann@plant.example', 'ALARM <b>x</b>', 'waiting (3×) no route', 'night → crew: press-shop/*/* · priority high or higher · mon-fri 18:00-06:00, sat-sun · after 30 s · again every 15 min, at most 10 times · after 30 min also chief',
+    'An administrator changes the rules']) assert.ok(text.includes(part), `${part}: ${text}`);
+  assert.equal(await page.locator('dialog button:has-text("Send a test")').count(), 0, 'an operator sends none');
   assert.deepEqual(await browser.axe(page), []);
   await page.keyboard.press('Enter');
   await until(async () => await page.locator('dialog').count() === 0, 'the dialog is closed');

@@ -59,6 +59,11 @@ export const texts = {
   'range.show': ['Show', '显示'], 'range.csv': ['CSV', 'CSV'], 'range.found': ['{n} entries', '{n} 条'],
   'alarms.notify': ['Notify in this browser', '在此浏览器中通知'], 'alarms.notify-refused': ['The browser does not allow notifications of this page.', '浏览器不允许此页面发送通知。'],
   'alarms.notice-many': ['{n} new alarms', '{n} 条新报警'], 'alarms.messages': ['Messages', '通知消息'],
+  'notify.rules': ['Rules', '规则'], 'notify.test': ['Send a test to {name}', '向 {name} 发送测试'],
+  'notify.priority': ['priority {priority} or higher', '优先级不低于{priority}'], 'notify.delay': ['after {time}', '{time} 后'],
+  'notify.repeat': ['again every {time}, at most {n} times', '每 {time} 重复，最多 {n} 次'], 'notify.escalate': ['after {time} also {to}', '{time} 后另通知 {to}'],
+  'notify.cleared': ['also its end', '恢复时也通知'], 'notify.digest': ['more than {n} in {time}: one digest', '{time} 内超过 {n} 条：合并为一条'],
+  'notify.file': ['An administrator changes the rules in the file of the station (notify).', '管理员在监控站的配置文件（notify）中修改规则。'],
   'alarms.message-counts': ['Waiting: {waiting}, lost: {lost}', '等待：{waiting}，丢失：{lost}'],
   'alarms.message-none-sent': ['nothing sent yet', '尚未发送'], 'alarms.message-nobody': ['The station notifies nobody.', '此监控站未配置通知。'],
   'message.waiting': ['waiting', '等待'], 'message.sent': ['sent', '已发送'], 'message.expired': ['expired', '已过期'], 'message.dropped': ['dropped', '已丢弃'],
@@ -270,7 +275,7 @@ class PresentAlarms {
     const button = (text: string, key: string, n: number, act: () => Promise<void>, primary = false): TemplateResult => html`<button type="button"
       class=${primary && n ? 'primary' : ''} ?disabled=${!n} @click=${() => void act()}>${text}${n > 1 ? ` (${n})` : ''} <kbd>${key}</kbd></button>`;
     return html`<span class="acts">
-      <button type="button" class="plain" @click=${() => void showMessages()}>${t('alarms.messages')}</button>
+      <button type="button" class="plain" @click=${() => void showMessages(this.context.mayEngineer())}>${t('alarms.messages')}</button>
       <button type="button" ?disabled=${!this.counts.unacknowledged} @click=${this.toggleAll}>${t('alarms.check-all')}</button>
       ${button(t('alarms.acknowledge'), 'a', this.chosen(this.mayAcknowledge).length, () => this.acknowledge(), true)}
       ${button(t('alarms.shelve'), 's', this.chosen(this.mayShelve).length, () => this.shelve())}

@@ -27,7 +27,7 @@ export const texts = {
   'what.unshelve': ['unshelve', '取消搁置'], 'what.maintenance': ['maintenance', '开始维护'], 'what.end maintenance': ['end maintenance', '结束维护'],
   'what.save dashboard': ['save dashboard', '保存仪表盘'], 'what.delete dashboard': ['delete dashboard', '删除仪表盘'],
   'what.save picture': ['save picture', '保存图片'], 'what.delete picture': ['delete picture', '删除图片'],
-  'what.save report': ['save report', '保存报表'], 'what.delete report': ['delete report', '删除报表'],
+  'what.test notification': ['send test message', '发送测试消息'], 'what.save report': ['save report', '保存报表'], 'what.delete report': ['delete report', '删除报表'],
   'what.command': ['command', '命令'], 'what.user add': ['add user', '添加用户'], 'what.user remove': ['remove user', '删除用户'], 'may.viewer': ['look', '查看'],
   'may.operator': ['look, write, acknowledge', '查看、写入、确认'], 'may.programmer': ['look, write, acknowledge, program devices', '查看、写入、确认、设备编程'],
   'may.engineer': ['all of this, and change configurations and dashboards', '以上全部，并可修改配置和仪表盘'],
@@ -35,7 +35,7 @@ export const texts = {
 
 // "write 1800", "acknowledge: looked at it": translates the action, and keeps the rest.
 function whatText({ what }: AuditEntry): string {
-  const [, head = what, rest = ''] = /^(end maintenance|user add|user remove|(?:save|delete) (?:dashboard|picture|report)|[a-z]+)(.*)$/s.exec(what) ?? [];
+  const [, head = what, rest = ''] = /^(end maintenance|test notification|user add|user remove|(?:save|delete) (?:dashboard|picture|report)|[a-z]+)(.*)$/s.exec(what) ?? [];
   return word('what', head) + rest;
 }
 
