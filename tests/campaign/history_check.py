@@ -199,6 +199,9 @@ class Checker:
     def check_samples(self, station, samples):
         last, restarts = {}, collections.Counter()
         for sample in samples:
+            if "event" in sample:  # `fieldcast watch` was too slow, for example because it was stopped
+                self.counts[sample["event"]] += 1
+                continue
             name = f"{sample['bus']}/{sample['device']}/{sample['channel']}"
             at, sequence, good = int(sample["acquired_at"]), int(sample["sequence"]), sample["quality"] == "GOOD"
             before = last.get(name)

@@ -18,7 +18,7 @@ Range range(Table table, std::uint32_t first, std::uint32_t count) {
 }
 
 void fuzz(ByteView data) {
-  static const std::array<Request, 12> requests{
+  static const std::array<Request, 13> requests{
       ReadRequest{{range(Table::kCoil, 19, 19)}},
       ReadRequest{{range(Table::kHolding, 107, 3)}},
       ReadRequest{{range(Table::kInputRegister, 0, 125)}},
@@ -32,20 +32,18 @@ void fuzz(ByteView data) {
       ReadRequest{{range(Table::kIdentity, 0, kObjectCharacters)}},
       ReadRequest{{range(Table::kFifo, 1246 * 32, 32)}},
       ReadRequest{{range(Table::kFifo, 1246 * 32 + 2, 2)}},
+      ReadRequest{{range(Table::kIdentity, kBasicObjects * kObjectCharacters, kObjectCharacters)}},
   };
   static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
   if (data.size() < 2) return;
-  const std::size_t chosen = data[0] / 3 % (requests.size() + 1);
-  const bool stream = chosen == requests.size();  // of the objects that a scan requests
-  const Request& request = requests[stream ? 0 : chosen];
+  const Request& request = requests[data[0] / 3 % requests.size()];
   const Header header{17, 0x1501};
-  ModbusExchange exchange(*framings[data[0] % 3], header,
-                          stream ? RequestPdu::basic_identity() : RequestPdu(request, Options{}));
+  ModbusExchange exchange(*framings[data[0] % 3], header, RequestPdu(request, Options{}));
   const Bytes answer(data.begin() + 2, data.end());
   const std::array<std::size_t, 2> cuts{data[1] & 15u, 16u + (data[1] >> 4)};
   const test::Outcome outcome = test::drive(exchange, std::span(&answer, 1), cuts);
   const auto* read = std::get_if<ReadRequest>(&request);
-  if (outcome.done() && read != nullptr && !stream) {
+  if (outcome.done() && read != nullptr) {
     for (std::size_t i = 0; i < read->ranges.size(); ++i) {
       const Range& one = read->ranges[i];
       const std::size_t size = image_bytes(areas(false)[one.area].item_bits, one.count);
