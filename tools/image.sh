@@ -61,6 +61,7 @@ archive_of() {
 
 if [ "$offline" = yes ]; then
   [ -f "$libraries" ] || fail "--offline: $libraries is missing; run once without --offline"
+  depends | cmp -s - "$libraries.depends" || fail "--offline: the packages depend on other libraries than those of $libraries; run once without --offline"
 else
   archive=$(archive_of debian)
   security=$(archive_of debian-security)
@@ -82,6 +83,7 @@ else
       for deb in *.deb; do dpkg-deb -f "$deb" >"$1/var/lib/dpkg/status.d/${deb%%_*}"; done' \
     "$suite" "$libraries.new.tar" - <<<"$sources" >"$log" 2>&1 || { cat "$log" >&2; fail "mmdebstrap failed, see above"; }
   mv "$libraries.new.tar" "$libraries"
+  depends >"$libraries.depends"
 fi
 
 tools/packaging/oci_image.py "$arch" "$version" "$libraries" "$output" "${programs[@]}"

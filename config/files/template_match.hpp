@@ -1,4 +1,5 @@
-// Finds device templates for the identity of a device. Pure functions, except for the passed reader.
+// Finds device templates for the identity of a device. Pure functions, except for the passed
+// reader.
 #pragma once
 
 #include <string>

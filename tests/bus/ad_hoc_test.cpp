@@ -99,7 +99,7 @@ TEST(AdHoc, ASearchOfSilentAddressesCostsNoRefresh) {
   for (std::uint16_t address = 11; address < 26; ++address)
     devices.push_back(plant.at_address(address));
   devices.push_back(plant.device);
-  const auto probed = plant.probe(devices, 300s, 2);
+  const auto probed = plant.probe(devices, 300s, plant.device.channels.size());
   ASSERT_EQ(probed.size(), 16u);
   for (std::size_t i = 0; i < 15; ++i) {
     ASSERT_EQ(probed[i].channels.size(), DeviceProbe::kMostSilent) << probed[i].name;

@@ -31,8 +31,7 @@ void run_walk(ByteView data) {
 }
 
 void run_scan(ByteView data) {
-  constexpr std::array kForms{"modbus-rtu", "modbus-ascii",  "modbus-tcp", "omron-hostlink",
-                              "s7-tcp",     "mitsubishi-mc", "omron-fins"};
+  constexpr std::array kForms{"omron-hostlink", "s7-tcp", "mitsubishi-mc", "omron-fins"};
   if (data.size() < 2) return;
   Bytes session{1, 2};
   const ScanLine line{.protocol = {find_protocol(kForms[data[0] % kForms.size()]), {}}};

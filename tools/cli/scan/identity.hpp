@@ -12,8 +12,8 @@
 namespace fieldcast::cli {
 
 // The protocol's own identification request, whose reply is one range with the text. Host Link:
-// hostlink_identity(). Controllers on a network: controller_identity(). Null: the protocol has none;
-// an item may identify the device (identity_question()).
+// hostlink_identity(). Controllers on a network: controller_identity(). Null: the protocol has
+// none; an item may identify the device (identity_question()).
 [[nodiscard]] std::unique_ptr<Exchange> identity_exchange(const ScanLine& line,
                                                           std::uint16_t address,
                                                           ExchangeContext context = {});

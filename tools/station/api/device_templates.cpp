@@ -51,7 +51,7 @@ std::string with_templates(const std::string& scan, const std::vector<DeviceTemp
       device["templates"] = config::matching_templates(text_of(device, "identity"),
                                                        text_of(device, "protocol"), heads);
   }
-  return body.dump();
+  return to_string(body);
 }
 
 const std::vector<DeviceTemplate>& device_templates() {

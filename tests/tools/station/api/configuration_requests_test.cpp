@@ -116,9 +116,9 @@ TEST(DeviceTemplates, AreProposedForTheIdentityOfAFoundDevice) {
   const std::vector templates{
       device_template_of("pac", "# Device: Siemens PAC3200\nprotocols: [modbus-rtu]\n")};
   const auto proposed = [&](const std::string& scan) { return with_templates(scan, templates); };
-  EXPECT_EQ(
-      proposed(R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu"}]})"),
-      R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu","templates":["pac"]}]})");
+  EXPECT_EQ(proposed(R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu"}]})"),
+            R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"modbus-rtu",)"
+            R"("templates":["pac"]}]})");
   EXPECT_THAT(proposed(R"({"found":[{"identity":"Siemens AG, PAC3200","protocol":"dtc"}]})"),
               HasSubstr(R"("templates":[])"));
   for (const char* other : {"[]", "{}", R"({"found":7})", R"({"found":[7]})"})

@@ -73,7 +73,9 @@ export const says = (page, selector, pattern, what = String(pattern)) =>
 export async function until(condition, what, within_ms = 10_000) {
   const end = Date.now() + within_ms;
   for (;;) {
-    const result = await condition();
+    const result = await Promise.resolve().then(condition).catch((fault) => {
+      if (!/context was destroyed/.test(fault.message)) throw fault;  // the page navigates
+    });
     if (result) return result;
     assert.ok(Date.now() < end, `not within ${within_ms} ms: ${what}`);
     await new Promise((done) => setTimeout(done, 25));
