@@ -72,7 +72,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         plans_(plans),
         spec_(spec),
         fenced_(fence_of(spec.port).is(Fence::kListen)),
-        serial_(std::holds_alternative<SerialPortSpec>(spec.port)),
         sink_(sink),
         engine_(spec, codec_),
         port_(make_port(io, spec.port, modules)),
@@ -183,7 +182,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (!stopped_ && timer_.take(now)) process(TimerFired{}, now);
   }
   [[nodiscard]] bool awaits_close(Instant now) const {
-    return serial_ && open_ && !revoked_ && !stopped_ &&
+    return std::holds_alternative<SerialPortSpec>(spec_.port) && open_ && !revoked_ && !stopped_ &&
            (engine_.exchanging() || timer_.at() - now <= PortWait<Loop>::kClose);
   }
 
@@ -379,7 +378,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
   const bool fenced_;  // other masters may be on the wire
-  const bool serial_;
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;
