@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Installs missing packages of Debian 12 or 13 and shows the progress. Prints nothing and works offline if nothing is missing.
 #
-#   tools/install.sh [build | package | image | test | campaign | ci | reference | windows]
+#   tools/install.sh [build | package | image | test | campaign | coverage | ci | reference | windows]
 #   tools/install.sh cross ARCH
 #
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
-# tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
-# tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with sudo. Packages that would start a server are
-# not installed for tests, except PostgreSQL and mosquitto: test and ci unpack the programs they need from them to build/unpacked/PACKAGE.
+# tests. campaign: also for tools/campaign.sh. coverage: also for tools/coverage.sh. ci: for the tests and the
+# checkers of .ci/run. reference: Doxygen for tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with
+# sudo. Packages that would start a server are not installed for tests, except PostgreSQL and mosquitto: test and ci unpack the programs
+# they need from them to build/unpacked/PACKAGE.
 # cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
 # libraries of ARCH replace those of this machine.
 set -euo pipefail
@@ -67,6 +68,10 @@ campaign=(
   # libFuzzer
   clang libclang-rt-dev
 )
+coverage=(
+  # the first clang that measures MC/DC is 18
+  clang-19 llvm-19 libclang-rt-19-dev
+)
 # runc and umoci run the container image in a test, rsync is for tools/in_root.sh
 ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci rsync)
 
@@ -82,6 +87,7 @@ case "${1:-test}" in
   image) packages=("${image[@]}") ;;
   test) packages=("${build[@]}" "${test[@]}") ;;
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
+  coverage) packages=("${build[@]}" "${test[@]}" "${coverage[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   reference) packages=(doxygen) ;;
   windows) packages=("${windows[@]}") ;;
@@ -91,7 +97,7 @@ case "${1:-test}" in
     # The last five are for the unit tests of that architecture.
     packages=("${tools[@]}" "${headers[@]}" "${packaging[@]}" "crossbuild-essential-$arch"
               "${libraries[@]/%/:$arch}" "libgtest-dev:$arch" "libgmock-dev:$arch" "libmodbus-dev:$arch" "cyclonedds-dev:$arch" cyclonedds-tools) ;;
-  *) sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  *) sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"

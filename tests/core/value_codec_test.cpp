@@ -100,6 +100,10 @@ INSTANTIATE_TEST_SUITE_P(
         Pair{Encoding{.type = ValueType::kInt16, .scale = 0.001}, 16, "8001", Value{-32.767}},
         Pair{Encoding{.type = ValueType::kUint16, .scale = 0.5, .offset = -40}, 16, "00A1",
              Value{40.5}},
+        // no decimals: divided by 3, multiplied by 2/3
+        Pair{Encoding{.type = ValueType::kInt16, .scale = 1.0 / 3}, 16, "0005", Value{5 / 3.0}},
+        Pair{Encoding{.type = ValueType::kInt16, .scale = 2.0 / 3}, 16, "0005",
+             Value{5 * (2.0 / 3)}},
         Pair{Encoding{.type = ValueType::kUint16, .scale = -2, .offset = 10}, 16, "0003",
              Value{4.0}},
         Pair{Encoding{.type = ValueType::kFloat32, .scale = 2}, 16, "41C8 0000", Value{50.0}},

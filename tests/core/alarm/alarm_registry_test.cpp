@@ -267,6 +267,20 @@ TEST(AlarmRegistry, AStoreOfBeforeKnowsActiveAlarmsOnly) {
   EXPECT_EQ(book.find(taken_away), nullptr);
 }
 
+TEST(AlarmRegistry, ARestoredBusLosesAlarmsThatAreNotStored) {
+  AlarmRegistry registry;
+  (void)registry.configure(two_buses());
+  const AlarmKey ours{"shop", "press-1", "level", LimitKind::kHigh},
+      others{"yard", "press-1", "level", LimitKind::kHigh};
+  for (const AlarmKey& alarm : {ours, others})
+    (void)registry.raise(alarm, 91, after(1s), after(1s));
+  (void)registry.take_news();
+  EXPECT_TRUE(registry.restore("shop", {}, after(2s)).empty());
+  EXPECT_EQ(registry.find(ours), nullptr);
+  EXPECT_NE(registry.find(others), nullptr);
+  EXPECT_EQ(registry.take_news().changed, std::set<AlarmKey>{ours});
+}
+
 TEST(AlarmRegistry, AnAlarmWhoseLimitIsTakenAwayIsForgotten) {
   AlarmRegistry book;
   (void)book.configure(two_buses());

@@ -172,6 +172,16 @@ TEST(TraceText, APieceOfALineWillDo) {
   EXPECT_EQ(parse_trace_text("2026-11-22T14:24:21.1Z >> 01")->bus, "");
 }
 
+// Each word lacks one part of a time, so that it is the name of the bus.
+TEST(TraceText, ANameLikeATimeIsAName) {
+  for (const char* word : {"2026-11-22T14:24:21Z", "2026-11-22T14:24:21.1Z"})
+    EXPECT_EQ(parse_trace_text(std::string(word) + " >> 01")->time, word);
+  for (const char* word :
+       {"2026-11-22T14:24:1Z", "2026:11-22T14:24:21.1Z", "2026-11-22-14:24:21.1Z",
+        "2026-11-22T14:24:21.12", "2026-11-22T14:24:21.1aZ"})
+    EXPECT_EQ(parse_trace_text(std::string(word) + " >> 01")->bus, word);
+}
+
 TEST(TraceText, WhatIsNotATraceIsNone) {
   for (const char* text : {"", "hello", "line >>", "line >> xyz", "a>>b", "line >> 01 0"})
     EXPECT_FALSE(parse_trace_text(text)) << text;
