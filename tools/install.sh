@@ -5,7 +5,7 @@
 #   tools/install.sh cross ARCH
 #
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
-# tests. campaign: also for tools/campaign.sh. coverage: also for tools/coverage.sh. ci: for the tests and the
+# tests. campaign: also for tools/campaign.sh. coverage: also for tools/coverage.sh and tools/mutate.sh. ci: for the tests and the
 # checkers of .ci/run. reference: Doxygen for tools/reference.sh. windows: for tools/windows.sh and its tests. Works as root or with
 # sudo. Packages that would start a server are not installed for tests, except PostgreSQL and mosquitto: test and ci unpack the programs
 # they need from them to build/unpacked/PACKAGE.
@@ -69,8 +69,9 @@ campaign=(
   clang libclang-rt-dev
 )
 coverage=(
-  # the first clang that measures MC/DC is 18
+  # the first clang that measures MC/DC is 18; the second line is for tools/mutate.sh
   clang-19 llvm-19 libclang-rt-19-dev
+  python3-clang
 )
 # runc and umoci run the container image in a test, rsync is for tools/in_root.sh
 ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci rsync)

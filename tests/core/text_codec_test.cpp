@@ -67,6 +67,14 @@ TEST(PlainTextCodec, OfSetsWithTablesKnowsAsciiAlone) {
   EXPECT_EQ(codec.from_utf8(Charset::kGbk, "温"), std::nullopt);
 }
 
+TEST(PlainTextCodec, EachSetHasTheNameOfItsKey) {
+  const std::pair<Charset, std::string_view> kRows[] = {{Charset::kUtf8, "utf-8"},
+                                                        {Charset::kLatin1, "latin-1"},
+                                                        {Charset::kGbk, "gbk"},
+                                                        {Charset::kShiftJis, "shift-jis"}};
+  for (const auto& [charset, name] : kRows) EXPECT_EQ(to_text(charset), name);
+}
+
 TEST(StringChannel, IsTranscodedBothWaysAndItsBytesAreCounted) {
   const Encoding latin{.type = ValueType::kString, .string_bytes = 4, .charset = Charset::kLatin1};
   const Bytes items{0x4B, 0xFC, 0x68, 0x6C};

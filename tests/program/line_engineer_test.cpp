@@ -263,5 +263,72 @@ TEST_F(LineEngineerTest, ASideThatTakesNoBytesEndsTheSession) {
   EXPECT_THAT(remark_, HasSubstr("the client takes no bytes for 60s"));
 }
 
+TEST_F(LineEngineerTest, ADeviceThatTakesNoBytesEndsTheSession) {
+  make(false);
+  give();
+  tell(DeviceTakes{false});
+  now_ = telnet::kStart + seconds{20};
+  tell(DeviceDrains{});
+  EXPECT_EQ(timer_, now_ + LineEngineer::kStuckWait);
+  tell(DeviceTakes{true});
+  EXPECT_EQ(timer_, now_ + EngineerRules{}.idle);
+  tell(DeviceDrains{});  // it takes bytes: nothing to wait for
+  EXPECT_EQ(timer_, now_ + EngineerRules{}.idle);
+  tell(DeviceTakes{false});
+  now_ = timer_;
+  tell(TimerFired{});
+  EXPECT_EQ(freed_, 1);
+  EXPECT_THAT(remark_, HasSubstr("the device takes no bytes for 60s"));
+}
+
+TEST_F(LineEngineerTest, TheRemarkSaysWhenTheClientDisconnected) {
+  make(true, true);
+  tell(ClientGone{"reset"});
+  EXPECT_THAT(remark_, HasSubstr("the client disconnected before it was paired: reset"));
+  EXPECT_EQ(freed_, 0);
+  make(true);
+  give();
+  tell(ClientGone{"reset"});
+  EXPECT_THAT(remark_, HasSubstr("the client disconnected: reset"));
+  EXPECT_EQ(freed_, 1);
+}
+
+TEST_F(LineEngineerTest, AnEndFromOutsideIsShownToATelnetClient) {
+  make(true);
+  give();
+  shown();
+  tell(Ended{"the bridge stops"});
+  EXPECT_EQ(shown(), "the bridge stops\r\n");
+  EXPECT_EQ(freed_, 1);
+  make(false);
+  give();
+  tell(Ended{"the bridge stops"});
+  EXPECT_EQ(said(), "") << "software reads a raw port";
+}
+
+TEST_F(LineEngineerTest, EventsOfADeviceThatIsNotPairedChangeNothing) {
+  make(true, true);
+  shown();
+  tell(DeviceGiven{kLine});
+  tell(FromDevice{hex("41")});
+  tell(LineChanged{{Kind::kBaud, 9600}, true});
+  tell(LineState{.modem = 0xB0});
+  tell(LoginChecked{true, {}});
+  tell(DeviceRefused{Reply::kInUse, "late"});
+  tell(DeviceLost{"late"});
+  EXPECT_EQ(said(), "");
+  EXPECT_EQ(taken_ + freed_ + hung_up_, 0);
+}
+
+TEST_F(LineEngineerTest, TheEraseKeysOfTheUserNameAreBackspaceAndDelete) {
+  make(true, true);
+  type(
+      "\b\x7F"
+      "axx\b\x7F"
+      "nna\r");
+  type(std::string(kMaxLoginText + 5, 'p') + "\x01\r");
+  EXPECT_EQ(login_, "anna/" + std::string(kMaxLoginText, 'p'));
+}
+
 }  // namespace
 }  // namespace fieldcast::program

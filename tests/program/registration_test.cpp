@@ -66,6 +66,30 @@ TEST(Registration, WhatIsNotANumberIsRefusedInWords) {
   }
 }
 
+TEST(Registration, AModuleProvesItsNumberByTheChallenge) {
+  const Challenge challenge{"c1", [](std::string_view number, std::string_view response) {
+                              return number == "17" && response == "right";
+                            }};
+  const auto answer = [&](std::string_view text) {
+    Registration registration(kText, challenge);
+    EXPECT_EQ(as_text(registration.start(kStart).send), "challenge c1\r\n");
+    const auto outcome = registration.on_bytes(raw(text), kStart);
+    return outcome.number.value_or("") + '/' + outcome.fault.value_or("");
+  };
+  EXPECT_EQ(answer("17 right\n"), "17/");
+  EXPECT_EQ(answer("17  right \n"), "17/");
+  EXPECT_EQ(answer("17\n"), "/module 17 does not respond to the challenge");
+  EXPECT_EQ(answer("17 wrong\n"), "/module 17 does not know its secret");
+  EXPECT_EQ(answer("1_7 right\n"), "/'1_7' is no device number");
+}
+
+TEST(Registration, AFaultShowsThePrintableCharactersOfTheText) {
+  Registration registration(kText);
+  (void)registration.start(kStart);
+  EXPECT_EQ(registration.on_bytes(raw("\x1F ~\x7F*\n"), kStart).fault,
+            "'. ~.*' is no device number");
+}
+
 TEST(Registration, AFloodInsteadOfATextIsRefused) {
   Registration registration(kText);
   (void)registration.start(kStart);

@@ -197,16 +197,23 @@ TEST(ServerCodec, EachCauseHasItsException) {
   };
   EXPECT_EQ(code_of(Cause::kDeviceBusy, 6), Exception::kBusy) << "the device's own";
   EXPECT_EQ(code_of(Cause::kDeviceError, 0), Exception::kDeviceFailure);
-  EXPECT_EQ(code_of(Cause::kRawNotAllowed), Exception::kIllegalFunction);
-  EXPECT_EQ(code_of(Cause::kBadAddress), Exception::kIllegalAddress);
-  EXPECT_EQ(code_of(Cause::kExpired), Exception::kBusy);
-  EXPECT_EQ(code_of(Cause::kQueueFull), Exception::kBusy);
-  EXPECT_EQ(code_of(Cause::kLeased), Exception::kBusy);
-  EXPECT_EQ(code_of(Cause::kShutdown), Exception::kNoPath);
-  EXPECT_EQ(code_of(Cause::kNoResponse), Exception::kNoResponse);
-  EXPECT_EQ(code_of(Cause::kChecksum), Exception::kNoResponse);
-  EXPECT_EQ(code_of(Cause::kOffline), Exception::kNoResponse);
-  EXPECT_EQ(code_of(Cause::kNotVerified), Exception::kDeviceFailure);
+  EXPECT_EQ(code_of(Cause::kDeviceError, 0x100), Exception::kDeviceFailure) << "no exception code";
+  EXPECT_EQ(code_of(Cause::kDeviceError, 1), Exception::kIllegalFunction);
+  const std::pair<Exception, std::vector<Cause>> kExceptions[] = {
+      {Exception::kIllegalFunction, {Cause::kRawNotAllowed, Cause::kReadOnly, Cause::kUnsupported}},
+      {Exception::kIllegalAddress, {Cause::kBadAddress}},
+      {Exception::kIllegalValue, {Cause::kRange, Cause::kWrongType}},
+      {Exception::kBusy,
+       {Cause::kExpired, Cause::kQueueFull, Cause::kRateLimited, Cause::kLeased,
+        Cause::kForeignMaster}},
+      {Exception::kNoPath, {Cause::kUnknownDevice, Cause::kPortClosed, Cause::kShutdown}},
+      {Exception::kNoResponse,
+       {Cause::kNoResponse, Cause::kTruncated, Cause::kChecksum, Cause::kMalformed, Cause::kForeign,
+        Cause::kOverlong, Cause::kOffline}},
+      {Exception::kDeviceFailure, {Cause::kNotVerified}}};
+  for (const auto& [exception, causes] : kExceptions) {
+    for (const Cause cause : causes) EXPECT_EQ(code_of(cause), exception) << to_text(cause);
+  }
 }
 
 }  // namespace
