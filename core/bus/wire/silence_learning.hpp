@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/model/sample.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
