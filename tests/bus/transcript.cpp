@@ -62,6 +62,10 @@ class Replay {
     feed(event, at);
   }
   void remark(const std::string& line) { out_ += line + '\n'; }
+  void trace(const std::string& line) {
+    engine_.set_trace(tracing_ = true);
+    remark(line);
+  }
   [[nodiscard]] std::string text() const { return out_; }
   [[nodiscard]] const BusSpec& bus() const { return bus_; }
 
@@ -81,6 +85,7 @@ class Replay {
     sent_ = at;
     unanswered_ = true;
     line(at, ">> " + to_hex(a.bytes));
+    if (tracing_) line(at, "asks " + engine_.request_text(a.bytes));
   }
   void tell(const SetTimer& a, Instant) { timer_ = a.at; }
   void tell(const Publish& a, Instant at) {
@@ -104,7 +109,7 @@ class Replay {
   void tell(const Notice& a, Instant at) {
     line(at, "notice " + (a.device.empty() ? bus_.name : a.device) + ": " + a.text);
   }
-  void tell(const Traced&, Instant) {}
+  void tell(const Traced& a, Instant at) { line(at, "traced " + a.device + ": " + a.text); }
   void tell(const MakePlan&, Instant) {}
 
   BusSpec bus_;
@@ -114,7 +119,7 @@ class Replay {
   Instant timer_ = kNever;
   Instant sent_{};
   Instant last_{};
-  bool unanswered_ = false;
+  bool unanswered_ = false, tracing_ = false;
 };
 
 // Example: "command c1 write press-1/setpoint = 5 verify expires 2s"
@@ -156,7 +161,7 @@ std::optional<Command> parse_command(const std::vector<std::string>& words, cons
 
 bool is_outcome(const std::string& word) {
   return word == ">>" || word == "sample" || word == "result" || word == "notice" ||
-         word == "reopen:" || word == "promise";
+         word == "reopen:" || word == "promise" || word == "asks" || word == "traced";
 }
 
 void replay_line(Replay& replay, const std::string& line) {
@@ -175,6 +180,7 @@ void replay_line(Replay& replay, const std::string& line) {
     if (!bytes) return replay.remark("!! no bytes: " + line);
     return replay.event(Received{*bytes}, at, line);
   }
+  if (words[1] == "trace") return replay.trace(line);
   if (words[1] == "opened") return replay.event(Opened{}, at, line);
   if (words[1] == "closed") return replay.event(Closed{"unplugged"}, at, line);
   if (words[1] == "leased") return replay.event(LeaseBegan{"engineer"}, at, line);
