@@ -21,7 +21,7 @@ done
 
 tests=(core_test lzw_test program_test telnet_test plan_test dispatch_test schedule_test bus_test transcript_test simulation_test late_test
        freeport_noise_test shared_wire_test protocol_test declared_test config_test standby_test bridge_test whole_bridge_test cli_test
-       dds_conversion_test dds_link_test dds_settings_test dds_loss_test dds_security_test)
+       group_day_test dds_conversion_test dds_link_test dds_settings_test dds_loss_test dds_security_test)
 # The late-response filter, the arbiter of a bus, the election of a standby group, the guard against hostile datagrams.
 decisions=(core/bus/wire/late_response_filter.cpp core/bus/exchange_flow.cpp bridge/standby/election.cpp bridge/dds/guard/{datagram_guard,parameter_list,rtps_message,rtps_validator}.cpp)
 
@@ -45,23 +45,39 @@ llvm-profdata-19 merge --sparse -o "$folder/tests.profdata" "${counters[@]}"
 cov() { llvm-cov-19 "$@" 2> >(grep -v 'functions have mismatched data' >&2); }
 cov export --format=lcov --instr-profile "$folder/tests.profdata" "${objects[@]:1}" "$PWD"/{core,config,bridge/dds} >"$folder/coverage.info"
 
-# SF: path of a file. DA: line, executions. BRDA: line, two numbers of the branch, executions. LF and LH, BRF and BRH: found and hit.
-awk -F : -v root="$PWD/" '
-  $1 == "SF" { path = $2; sub(root, "", path); split(path, part, "/"); top = part[1] == "bridge" ? "bridge/dds" : part[1] }
-  $1 == "SF" { folder = top == part[1] ? part[1] "/" part[2] : top "/" part[3] }
-  /^(LF|LH|BRF|BRH):/ { sum[folder, $1] += $2; sum[top, $1] += $2; folders[folder]; folders[top] }
-  END { for (each in folders)
-          printf "%-22s %6d lines %7.2f %% %6d branches %7.2f %%\n", each, sum[each, "LF"], 100 * sum[each, "LH"] / sum[each, "LF"],
-                 sum[each, "BRF"], sum[each, "BRF"] ? 100 * sum[each, "BRH"] / sum[each, "BRF"] : 100 }' "$folder/coverage.info" | sort
+# SF: path of a file. DA: line, executions. BRDA: line, two numbers of the branch, executions. Branches that the compiler makes for a
+# defaulted comparison, and that of a failed assertion, do not count.
+cat >"$folder/rows.awk" <<'AWK'
+BEGIN { FS = "[:,]" }
+$1 == "SF" {
+  file = $2; sub(root, "", file); split(file, part, "/")
+  top = part[1] == "bridge" ? "bridge/dds" : part[1]; inner = part[1] == "bridge" ? top "/" part[3] : part[1] "/" part[2]
+  for (n = 0; (getline text[n] < $2) > 0; ++n);
+  close($2)
+}
+function counts(line) { return text[line - 1] text[line] !~ /operator(==|<=>)\(.*= default;/ && text[line - 1] !~ /assert\(/ }
+AWK
+awk -v root="$PWD/" -f "$folder/rows.awk" -f - "$folder/coverage.info" <<'AWK' | sort
+function add(what, all_of, hit) { all[what, top] += all_of; all[what, inner] += all_of; got[what, top] += hit; got[what, inner] += hit }
+$1 == "SF" { names[top]; names[inner] }
+$1 == "DA" { add("lines", 1, $3 > 0) }
+# The sums count the instances of a template as one.
+$1 == "BRF" { add("branches", $2, 0) }
+$1 == "BRH" { add("branches", 0, $2) }
+$1 == "BRDA" && !counts($2) { add("branches", -1, -($5 > 0)) }
+function share(what, name) { return all[what, name] ? 100 * got[what, name] / all[what, name] : 100 }
+END { for (name in names) printf "%-22s %6d lines %7.2f %% %6d branches %7.2f %%\n", name, all["lines", name], share("lines", name),
+        all["branches", name], share("branches", name) }
+AWK
 echo
 echo "MC/DC"
 cov report --show-mcdc-summary --show-region-summary=false --instr-profile "$folder/tests.profdata" "${objects[@]:1}" \
   "${decisions[@]/#/$PWD/}"
 echo
 echo "lines that no test executes, and lines with a branch that no test takes (?)"
-awk -F '[:,]' -v root="$PWD/" '
-  $1 == "SF" { file = $2; sub(root, "", file) }
-  $1 == "DA" && $3 == 0 { what[file ":" $2] = "" }
-  $1 == "BRDA" && $5 == 0 && !(file ":" $2 in what) { what[file ":" $2] = "?" }
-  END { for (place in what) print place ":" what[place] }' "$folder/coverage.info" | grep "$listed" | sort -t : -k 1,1 -k 2n |
+awk -v root="$PWD/" -f "$folder/rows.awk" -f - "$folder/coverage.info" <<'AWK' | grep "$listed" | sort -t : -k 1,1 -k 2n |
+$1 == "DA" && $3 == 0 { what[file ":" $2] = "" }
+$1 == "BRDA" && $5 == 0 && counts($2) && !(file ":" $2 in what) { what[file ":" $2] = "?" }
+END { for (place in what) print place ":" what[place] }
+AWK
   awk -F : '$1 != file { if (file) print line; file = line = $1 } { line = line " " $2 $3 } END { if (file) print line }'
