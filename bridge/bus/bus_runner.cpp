@@ -203,7 +203,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     record_.received(bytes, mapping_.to_utc(arrival));
     process(Received{bytes}, arrival);
     if (engine_.frame_ended()) record_.frame_ended(mapping_.to_utc(arrival));
-    port_->expect(engine_.missing());
+    port_->sleep_until(engine_.quiet_until());
   }
 
   void on_closed(std::string reason, Cause cause) override {
@@ -277,7 +277,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
     if (send.response_baud != 0) port_->receive_at(send.response_baud, send.bytes.size());
-    port_->expect_response(send.bytes.size(), engine_.expected());
+    port_->sleep_until(engine_.quiet_until());
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }

@@ -48,11 +48,8 @@ class Port {
   // write(). REQUIRES: the loader allows the port such protocols.
   virtual void receive_at([[maybe_unused]] std::uint32_t baud,
                           [[maybe_unused]] std::size_t characters) {}
-  // A hint: at least so many characters are missing; the port may sleep for their time.
-  virtual void expect(std::uint32_t characters) = 0;
-  // The same after write() of `request` characters to which `response` are expected; 0: unknown.
-  virtual void expect_response([[maybe_unused]] std::size_t request,
-                               [[maybe_unused]] std::size_t response) {}
+  // A hint after write() or on_received(): bytes need no delivery before this time.
+  virtual void sleep_until([[maybe_unused]] Instant until) {}
   // Delivers arrived bytes. Call before a timeout is handled, as the process may have been delayed.
   virtual void poll() = 0;
   // Waits for bytes on the calling thread, until `until` or until `wake` is readable, and delivers

@@ -28,15 +28,8 @@ namespace {
 
 namespace asio = boost::asio;
 
-// The sleep during a response ends this long before the last byte: a sleeping thread wakes late on
-// a busy machine, and a delay of 200 us reduced the throughput of 16 buses by 3 %.
-constexpr Duration kEarlyWake = std::chrono::milliseconds{2};
 // A shorter sleep saves no wake-up: most UARTs deliver pieces of 8 or 14 characters.
 constexpr double kWorthSleeping = 8;  // characters
-// A shorter response, a refusal, is delivered at the latest after this time.
-constexpr Duration kLongestSleep = std::chrono::milliseconds{50};
-// A whole response that arrives this early belongs to another request (ResponseTime::too_early()).
-constexpr double kTooEarly = 3;  // characters
 
 Stream::End open_fault(const std::string& path) {
   const int fault = errno;
@@ -162,21 +155,11 @@ void SerialPort::receive_at(std::uint32_t baud, std::size_t characters) {
   if (stream() != nullptr) static_cast<SerialStream*>(stream())->receive_at(baud, characters);
 }
 
-void SerialPort::expect(std::uint32_t characters) {
-  if (characters < 2 || stream() == nullptr) return;
+void SerialPort::sleep_until(Instant until) {
+  const Instant now = steady_now();
+  if (until <= now || stream() == nullptr) return;
   const LineFormat line = static_cast<SerialStream*>(stream())->response_line();
-  const Duration early = std::max(kEarlyWake, line.characters(1));
-  const Duration sleep = line.characters(characters - 1) - early;
-  if (sleep >= line.characters(kWorthSleeping)) stream()->sleep_for(sleep);
-}
-
-// No device responds before it has received the request, so the line needs no wait until then.
-void SerialPort::expect_response(std::size_t request, std::size_t response) {
-  if (response == 0 || stream() == nullptr) return;
-  const LineFormat& line = spec_.line;
-  const Duration early = std::max(kEarlyWake, line.characters(kTooEarly));
-  const Duration sleep = line.characters(static_cast<double>(request + response)) - early;
-  if (sleep >= line.characters(kWorthSleeping)) stream()->sleep_for(std::min(sleep, kLongestSleep));
+  if (until - now >= line.characters(kWorthSleeping)) stream()->sleep_for(until - now);
 }
 
 std::shared_ptr<PortOpening> SerialPort::make_opening(PortListener& listener) {

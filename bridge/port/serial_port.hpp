@@ -15,8 +15,7 @@ class SerialPort final : public StreamPort {
   ~SerialPort() override { close(); }
 
   void receive_at(std::uint32_t baud, std::size_t characters) override;
-  void expect(std::uint32_t characters) override;
-  void expect_response(std::size_t request, std::size_t response) override;
+  void sleep_until(Instant until) override;
 
  private:
   std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;

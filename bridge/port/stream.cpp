@@ -15,6 +15,9 @@ namespace fieldcast {
 
 namespace asio = boost::asio;
 
+// poll() need not read after a wait that ended without bytes less than this time ago.
+constexpr Duration kFresh = std::chrono::microseconds{100};
+
 Stream::Stream(asio::io_context& io, PortListener& listener, Unsent::Kind kind)
     : listener_(listener), readiness_(io), timer_(io), unsent_(kind) {}
 
@@ -41,7 +44,7 @@ void Stream::write_more(ByteView bytes) {
 }
 
 void Stream::poll() {
-  if (!usable()) return;
+  if (!usable() || steady_now() - kFresh < empty_at_) return;
   fetch();
   (void)take();
 }
@@ -60,6 +63,7 @@ bool Stream::wait(Instant until, int wake) {
   ::ppoll(watched.data(), sleeps ? 1 : 2, &timeout, nullptr);
   const bool woken = watched[0].revents != 0;
   if (watched[1].revents != 0 || (sleeps && !woken && sleep_until_ <= until)) (void)take();
+  if (!sleeps && watched[1].revents == 0) empty_at_ = steady_now();
   return true;
 }
 

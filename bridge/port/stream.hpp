@@ -101,7 +101,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   Unsent unsent_;
   Duration sleep_{};
   Instant sleep_until_{};
-  bool decrypted_ = false;  // any byte of the line, by TLS
+  Instant empty_at_ = kLongAgo;  // wait() found no bytes
+  bool decrypted_ = false;       // any byte of the line, by TLS
   bool over_ = false;
   bool leased_ = false;
   bool waiting_ = false;   // for the io_context

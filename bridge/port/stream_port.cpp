@@ -43,9 +43,6 @@ void StreamPort::write(ByteView bytes) {
   if (Stream* line = stream()) line->write(bytes);
 }
 
-// The network delivers responses in one piece or at its own rate.
-void StreamPort::expect(std::uint32_t) {}
-
 void StreamPort::poll() {
   if (Stream* line = stream()) line->poll();
 }

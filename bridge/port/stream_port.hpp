@@ -44,7 +44,6 @@ class StreamPort : public Port {
   void open(PortListener& listener) final;
   void write(ByteView bytes) final;
   void write_more(ByteView bytes) final;
-  void expect(std::uint32_t characters) override;
   void poll() final;
   bool wait(Instant until, int wake) final;
   void watch() final;

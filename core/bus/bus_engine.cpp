@@ -126,11 +126,15 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     return take_stray(event.bytes, now, sink);
   }
   if (another_asked(outcome, now, sink)) return;
-  if (outcome != ExchangeDriver::Outcome::kSend)
-    outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire().driver(), now), now, sink);
+  if (outcome != ExchangeDriver::Outcome::kSend) {
+    const auto late = parts_.late.in_exchange(asked, parts_.wire().driver(), now);
+    if (!late.empty()) forecast_.doubt();
+    outcomes_.take_late(late, now, sink);
+  }
   // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
-      is_too_early(asked.device)) {
+      (is_too_early(asked.device) || forecast_.too_early(parts_.wire().driver()))) {
+    forecast_.doubt();
     parts_.wire().wait_on();
     return parts_.late.start_anew();
   }
@@ -172,6 +176,7 @@ void BusEngine::take_frame(ByteView frame, Instant now, ActionSink& sink) {
 void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
   parts_.wire().stray(now);
   parts_.fence.bytes_came(false, now);
+  forecast_.doubt();
   std::vector<LateResponseFilter::Late> late;
   if (!parts_.late.none_owed() && !parts_.fence.listening())
     late = parts_.late.in_strays(bytes, now);
@@ -321,6 +326,7 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
   if (parts_.fence.ended(got_response(outcome, parts_.wire().driver().cause()),
                          parts_.wire().driver().received(), now))
     let_go(now, sink);
+  forecast_.ended(parts_.wire().driver(), outcome == ExchangeDriver::Outcome::kDone);
   auto reopen = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
   if (!reopen) return;
   sink.push(std::move(*reopen));
@@ -381,6 +387,7 @@ bool BusEngine::send_next(Instant now, ActionSink& sink) {
     next_request_at_ = std::min(arbiter_.look_again(), std::max(sign, free_at));
     return false;
   }
+  forecast_.begin(!parts_.late.none_owed() || fence.on());
   if (fence.sending(*request, parts_.wire().driver().sent_until())) {
     sink.push(Notice{Notice::Kind::kForeignMasterEnded,
                      {},
@@ -401,6 +408,13 @@ void BusEngine::let_go(Instant now, ActionSink& sink) {
                    Cause::kForeignMaster,
                    parts_.fence.text() + "; nothing is sent until the wire was silent for " +
                        to_text(parts_.fence.times().listen)});
+}
+
+Instant BusEngine::quiet_until() const {
+  if (parts_.wires.size() > 1 || !exchanging()) return kLongAgo;
+  const Wire& wire = parts_.wire();
+  return forecast_.quiet_until(wire.driver(),
+                               parts_.devices.earliest_response(wire.flight().asked.device));
 }
 
 std::string BusEngine::request_text(ByteView sent) const {

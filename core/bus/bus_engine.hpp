@@ -13,6 +13,7 @@
 #include "core/bus/health/overload_watch.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/setup/event.hpp"
+#include "core/bus/wire/response_forecast.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/status.hpp"
 
@@ -41,12 +42,8 @@ class BusEngine {
   [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
-  // Characters of the whole response to the request that was sent; 0 if unknown.
-  [[nodiscard]] std::size_t expected() const { return parts_.wire().driver().expected(); }
-  // Minimum of missing characters of the response; 0 if unknown. The shell may wait for them.
-  [[nodiscard]] std::uint32_t missing() const {
-    return parts_.wires.size() == 1 ? parts_.wire().driver().missing() : 0;
-  }
+  // Received bytes need no delivery before this time; kLongAgo: deliver them as they arrive.
+  [[nodiscard]] Instant quiet_until() const;
   [[nodiscard]] bool exchanging() const { return parts_.exchanging() > 0; }
   // The received bytes are whole frames, or no response is awaited.
   [[nodiscard]] bool frame_ended() const {
@@ -113,6 +110,7 @@ class BusEngine {
   BusParts parts_;
   Arbiter arbiter_;
   OutcomeRouter outcomes_;
+  ResponseForecast forecast_;
   OverloadWatch overload_;
 
   BusState state_ = BusState::kOpening;

@@ -139,10 +139,13 @@ TEST(ResponseTime, WhatBeginsBeforeItsRequestHasEndedIsNotAResponse) {
   for (int i = 0; i < 50; ++i) time.learn(2ms);
   EXPECT_TRUE(time.too_early(-5ms, 500us));
   EXPECT_FALSE(time.too_early(0ms, 500us));
+  EXPECT_EQ(time.earliest(500us), 2ms);
   time.learn(-4ms);
+  EXPECT_EQ(time.earliest(500us), 2ms);
   EXPECT_TRUE(time.too_early(-5ms, 500us)) << "that one may have been another master's";
   time.learn(-4ms);
   EXPECT_FALSE(time.too_early(-5ms, 500us)) << "this line does not keep to its baud rate";
+  EXPECT_FALSE(time.earliest(500us));
 }
 
 }  // namespace

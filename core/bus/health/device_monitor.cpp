@@ -260,6 +260,10 @@ void DeviceMonitor::opened(Instant now) {
   }
 }
 
+std::optional<Duration> DeviceMonitor::earliest_response(DeviceIndex index) const {
+  return devices_[index].response_time.earliest(setup_.line().characters(1));
+}
+
 bool DeviceMonitor::too_early(DeviceIndex index, Duration began) const {
   return devices_[index].response_time.too_early(began, setup_.line().characters(1));
 }

@@ -102,6 +102,8 @@ class DeviceMonitor {
   [[nodiscard]] Duration longest_response(DeviceIndex device) const {
     return devices_[device].response_time.longest();
   }
+  // See ResponseTime.
+  [[nodiscard]] std::optional<Duration> earliest_response(DeviceIndex device) const;
   // `began`: after the end of the request, usually negative here.
   [[nodiscard]] bool too_early(DeviceIndex device, Duration began) const;
   // The caller adds the parts about channels and blocks.

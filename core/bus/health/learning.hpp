@@ -32,12 +32,17 @@ class ResponseTime {
   [[nodiscard]] Duration timeout() const;
   // Longest of at least the last kWindow responses, late responses included.
   [[nodiscard]] Duration longest() const { return std::max(longest_, longest_before_); }
+  // Shortest recent response time. The earliest measurement is ignored, because it may be wrong.
+  // Empty before enough responses, and on a line that does not keep its baud rate.
+  [[nodiscard]] std::optional<Duration> earliest(Duration character) const {
+    const Duration second = std::min(second_, second_before_);
+    if (in_window_ + windows_ * kWindow < kWindow / 16 || second <= -character) return std::nullopt;
+    return second;
+  }
   // Returns true if the response began earlier than any response of this device so far: it belongs
-  // to another request. Never true on a line that does not keep its baud rate. The earliest
-  // measurement is ignored, because it may be wrong itself.
+  // to another request.
   [[nodiscard]] bool too_early(Duration measured, Duration character) const {
-    return in_window_ + windows_ * kWindow >= kWindow / 16 &&
-           std::min(second_, second_before_) > -character && measured < -2 * character;
+    return measured < -2 * character && earliest(character);
   }
   [[nodiscard]] Duration mean() const { return mean_; }  // zero before the first response
   [[nodiscard]] Duration spread() const { return spread_; }

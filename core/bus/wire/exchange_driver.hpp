@@ -60,6 +60,8 @@ class ExchangeDriver {
   [[nodiscard]] std::uint32_t response_baud() const {
     return response_line_.baud == line_.baud ? 0 : response_line_.baud;
   }
+  // The line, with the rate of the response.
+  [[nodiscard]] const LineFormat& response_line() const { return response_line_; }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
   // The same for the confirmation behind the response.
