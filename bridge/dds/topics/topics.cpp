@@ -45,7 +45,7 @@ void set_repair(dds::DataWriterQos& qos, Repair repair) {
   constexpr std::uint32_t kMs = 1'000'000;
   if (repair == Repair::kSoon)
     return set_repair_times(qos, {{0, 5 * kMs}, {0, 50 * kMs}, {0, 5 * kMs}});
-  set_repair_times(qos, {{0, 5 * kMs}, {0, 200 * kMs}, {0, 100 * kMs}});
+  set_repair_times(qos, {{0, 5 * kMs}, {0, 400 * kMs}, {0, 400 * kMs}});
   qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
 }
 
