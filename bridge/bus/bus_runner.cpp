@@ -70,7 +70,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       : lease_of_master_(lease),
         io_(io),
         plans_(plans),
-        spec_(spec),
         fenced_(fence_of(spec.port).is(Fence::kListen)),
         sink_(sink),
         engine_(spec, codec_),
@@ -376,11 +375,11 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   asio::io_context& io_;
   asio::io_context& plans_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
-  const BusSpec spec_;
   const bool fenced_;  // other masters may be on the wire
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;
+  const BusSpec& spec_{engine_.spec()};
   std::unique_ptr<Port> port_;
   EngineTimer<Loop> timer_;
   PortWait<Loop> wait_{io_, *gate_, timer_, *port_, *this};

@@ -26,6 +26,8 @@ class BusEngine {
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
 
+  [[nodiscard]] const BusSpec& spec() const { return parts_.setup.spec(); }
+
   // Continues another bridge's sample sequences and learned values. REQUIRES: no event yet.
   void inherit(const BusInheritance& inherited, Instant now);
 
