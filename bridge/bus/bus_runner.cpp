@@ -89,6 +89,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   Gate& gate() { return *gate_; }
+  [[nodiscard]] const BusSpec& spec() const { return spec_; }
   std::atomic<std::size_t> waiting{0};
   std::atomic<Instant> last_turn{steady_now()};
 
@@ -414,6 +415,8 @@ BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpe
     : loop_(std::make_shared<Loop>(io, plans, spec, sink, modules, lease)) {}
 
 BusRunner::~BusRunner() = default;
+
+const BusSpec& BusRunner::spec() const { return loop_->spec(); }
 
 void BusRunner::start(BusInheritance inherited) {
   loop_->gate().post([loop = loop_, inherited = std::move(inherited)] { loop->start(inherited); });

@@ -80,6 +80,8 @@ class BusRunner {
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
 
+  [[nodiscard]] const BusSpec& spec() const;  // any thread
+
   // Opens the port, and retries until it opens. First takes over the state `inherited`.
   void start(BusInheritance inherited = {});
 

@@ -34,7 +34,7 @@ struct Server::State {
   const Hooks hooks;
   DialInRegistry& registry;
   // Used by the main thread only.
-  std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>> buses;
+  std::map<std::string, std::shared_ptr<BusRunner>> buses;
   IoThread io{"program"};                   // outlives the members below
   std::shared_ptr<ModuleServer> modules;    // set while the server is started or keeps modules
   std::shared_ptr<DeviceRegistry> devices;  // set while the server is started
@@ -83,7 +83,7 @@ tl::expected<void, std::string> Server::start(const ProgramSpec& spec) {
   s.io.run([&] {
     if (spec.modules) listening = s.modules->listen(*spec.modules);
     s.devices = std::make_shared<DeviceRegistry>(s.io.context(), s.modules);
-    for (const auto& [name, bus] : s.buses) s.devices->add(bus.first, bus.second);
+    for (const auto& [name, bus] : s.buses) s.devices->add(bus->spec(), bus);
     if (!spec.engineers || !listening) return;
     const auto listen = [&](const EngineerPortSpec* port) {
       if (!listening) return;
@@ -144,7 +144,7 @@ bool Server::end_session(const std::string& bus, const std::string& device,
 
 void Server::add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner) {
   if (state_->devices) state_->devices->add(bus, runner);
-  state_->buses.insert_or_assign(bus.name, std::pair{bus, std::move(runner)});
+  state_->buses.insert_or_assign(bus.name, std::move(runner));
 }
 
 void Server::remove_bus(const std::string& bus) {
