@@ -74,7 +74,7 @@ void PlanRunner::set_plan(ReadPlan plan) {
 // Changed groups get phases in the present timetable; due times are kept.
 void PlanRunner::settle_changes(Instant now) {
   drop_repeated(changed_);
-  set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_, OtherGroups::kStay));
+  set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_));
   for (const GroupIndex group : changed_) take_phases(group);
   for (const GroupIndex group : changed_) refresh(group, now);
   changed_.clear();
@@ -85,11 +85,10 @@ void PlanRunner::take_phases(GroupIndex index) {
   Cycle& cycle = state_.groups[index].cycle;
   cycle = {};
   if (planned.period == Duration::zero()) return;
-  cycle = {table_began_ + planned.phase, planned.period};
+  cycle = {state_.table_began + planned.phase, planned.period};
   const Group& group = plan_.grouping.groups[index];
   for (OrderIndex at = group.begin; at < group.end; ++at) {
     state_.points[at].period = plan_.points[at].period;
-    state_.points[at].phase = table_began_ + plan_.points[at].phase;
   }
 }
 
@@ -111,10 +110,10 @@ void PlanRunner::adopt(ReadPlan plan, Instant began, Instant now) {
   if (!begun_) return;
   if (!changed_.empty()) {
     drop_repeated(changed_);
-    set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_, OtherGroups::kFollow));
+    set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_));
     changed_.clear();
   }
-  table_began_ = began;
+  state_.table_began = began;
   for (GroupIndex group = 0; group < state_.groups.size(); ++group) take_phases(group);
   watch_.plan_began(later(now, plan_.hyperperiod()));
   find_instants(now);
@@ -124,15 +123,15 @@ void PlanRunner::adopt(ReadPlan plan, Instant began, Instant now) {
 // Points are due at the last of their instants within the allowed gap; at the first one if never
 // read.
 void PlanRunner::find_instants(Instant now) {
-  for (PointState& point : state_.points) {
+  for (OrderIndex index = 0; index < state_.points.size(); ++index) {
+    PointState& point = state_.points[index];
     const bool searched =
         point.bad || point.suspect || (point.eager && point.retry_at != Instant{});
     if (!point.wanted() || point.period == Duration::zero() || point.due == kNever || searched)
       continue;
-    if (point.eager)
-      point.due = std::min(point.deadline, now + since_phase(point.phase, now, point.period));
-    else
-      point.due = point.deadline - since_phase(point.deadline, point.phase, point.period);
+    const Instant next = later(now, point.period);
+    point.due = state_.last_instant(plan_, index,
+                                    point.eager ? std::min(point.deadline, next) : point.deadline);
   }
 }
 

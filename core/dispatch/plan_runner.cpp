@@ -93,12 +93,14 @@ Duration PlanRunner::slack(Instant now) {
 
 void PlanRunner::begin(Instant now) {
   begun_ = true;
-  table_began_ = now;
+  state_.table_began = now;
   for (GroupIndex group = 0; group < state_.groups.size(); ++group) take_phases(group);
   watch_.plan_began(later(now, plan_.hyperperiod()));
-  for (PointState& point : state_.points) {
+  for (OrderIndex index = 0; index < state_.points.size(); ++index) {
+    PointState& point = state_.points[index];
     point.due = point.deadline = later(now, point.allowed_gap);
-    if (point.period > Duration::zero()) point.due = std::min(point.phase, point.deadline);
+    if (point.period > Duration::zero())
+      point.due = std::min(now + plan_.points[index].phase, point.deadline);
   }
   for (const auto& [index, acquired] : std::exchange(inherited_, {})) {
     PointState& point = state_.points[index];
@@ -194,7 +196,7 @@ void PlanRunner::renew(const Block& block, Instant now, const D& dispatcher) {
     PointState& point = state_.points[index];
     // Small delays do not count: the next slot has slack.
     if (!point.eager) watch_.acquired(now - point.deadline > point.allowed_gap / 20, now);
-    dispatcher.renew(state_, state_.groups[plan_.grouping.group_at[index]], point, now);
+    dispatcher.renew(plan_, state_, index, now);
     if (point.bad) point.retry_at = later(now, point.allowed_gap);
     point.eager = false;
   }

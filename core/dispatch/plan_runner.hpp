@@ -106,7 +106,7 @@ class PlanRunner {
   [[nodiscard]] const PointState& point(PointIndex point) const {
     return state_.points[state_.wire.layout.index_of[point]];
   }
-  [[nodiscard]] Instant table_began() const { return table_began_; }
+  [[nodiscard]] Instant table_began() const { return state_.table_began; }
   [[nodiscard]] Instant last_seen() const { return seen_; }
   [[nodiscard]] double overrun() const { return watch_.overrun(); }
 
@@ -138,7 +138,6 @@ class PlanRunner {
   RefusalSearch refusals_;
   OverrunWatch watch_;
   bool begun_ = false;
-  Instant table_began_{};
   Instant decided_{};                // time of the last block
   Instant seen_{};                   // the latest time passed
   std::vector<GroupIndex> changed_;  // the plan is amended for them when the wire is free

@@ -15,10 +15,10 @@ namespace {
 constexpr double kLight = 0.6;
 // From this planned load on, reads use the smallest reserve.
 constexpr double kCrowded = 0.95;
-
-double margin_of(const WireModel& wire, const ReadPlan& plan) {
-  return wire.weights.margin + plan.lightness * wire.weights.light_reserve;
-}
+// Costs in a timetable are rounded to nanoseconds, and a rest lasts at least a microsecond.
+constexpr Duration kRounding = std::chrono::microseconds{2};
+// Share of the wire that a timetable may use.
+constexpr double kMost = 0.997;
 
 template <typename P>
 std::span<const P> points_of(const Group& group, std::span<const P> points) {
@@ -40,8 +40,6 @@ TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const G
                             std::span<const P> points) {
   TimetableRequest request;
   request.list = group.list;
-  const double margin = margin_of(wire, plan);
-  const double base = ns(cycle_period(plan.fastest, plan.fastest, margin));
   const ReadCost& single = wire.layout.area_runs[group.area_run].cost;
   for (const PlannedPoint& point : points) {
     if (!in_timetable(point)) continue;
@@ -49,7 +47,7 @@ TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const G
     member.first = point.first;
     member.end = point.end;
     const Duration gap = allowed_gap_of(ns(point.refresh) * point.stretch, wire.lead);
-    member.fits = ns(gap) * (1 - margin) / base;
+    member.fits = ns(gap) / ns(plan.fastest);
     if (group.list) {
       const ListCost& list = *wire.layout.lists[group.device];
       member.area = point.area;
@@ -75,7 +73,8 @@ void set_phases(ReadPlan& plan, const WireModel& wire, GroupIndex index,
   const TimetableRequest& request = plan.table->request(index);
   PlannedGroup& planned = plan.groups[index];
   planned.period = request.members.empty() ? Duration::zero() : request.period * plan.slot();
-  planned.slack = plan.table->slack() * request.period;
+  planned.slack = plan.table->slack(
+      index, part_of(wire.weights.margin - wire.weights.unforeseen, planned.period));
   if (!request.members.empty()) planned.load = plan.table->load(index);
   // The timetable counts until the wire is free again; points are acquired before.
   const Duration end = request.latest_end - wire.tails[group.device];
@@ -83,12 +82,13 @@ void set_phases(ReadPlan& plan, const WireModel& wire, GroupIndex index,
   auto member = request.members.begin();
   for (OrderIndex at = group.begin; at < group.end; ++at) {
     PointPlan& point = plan.points[at];
-    point.period = point.phase = Duration::zero();
-    point.worst_gap.reset();
+    point = {.stretch = point.stretch};
     if (!in_timetable(points[at])) continue;
     point.period = member->period * plan.slot();
-    point.phase = member->phase * plan.slot() + end;
-    point.worst_gap = point.period + planned.slack;
+    point.first_slot = member->phase;
+    point.every = member->period;
+    point.phase = plan.table->ends(index)[member->phase] - wire.tails[group.device];
+    point.worst_gap = plan.table->longest_gap(index, *member) + planned.slack + kRounding;
     ++member;
   }
 }
@@ -116,7 +116,6 @@ class PlanMaker {
   [[nodiscard]] std::vector<ReadPlan> make() {
     stretch_to(1);
     find_load();
-    plan_.demand = plan_.load * basis_.overrun;
     const double factor = enough_stretch();
     if (factor > 1) stretch_to(factor);
     std::vector<Timetable> others;
@@ -144,7 +143,7 @@ class PlanMaker {
     const Group& group = plan_.grouping.groups[index];
     const Duration period = basis_.periods.empty() ? Duration::zero() : basis_.periods[index];
     return load_.of(group, points_of(group, points()),
-                    {period, plan_.fastest, margin_of(wire_, plan_), stretched});
+                    {period, plan_.fastest, plan_.margin, stretched});
   }
 
   void stretch_to(double factor) {
@@ -153,15 +152,30 @@ class PlanMaker {
     plan_.fastest = fastest_of(basis_.points, wire_.lead);
   }
 
-  // The margins depend on the load.
+  void find_load_with(double lightness) {
+    plan_.lightness = lightness;
+    find_load_at(wire_.weights.margin + lightness * wire_.weights.light_reserve);
+  }
+  void find_load_at(double margin) {
+    plan_.margin = margin;
+    plan_.load = total_load(false);
+    plan_.demand = plan_.load * basis_.overrun;
+  }
+  // The margin depends on the load: a wire that has no time for it gets a smaller one. If the least
+  // one is too much, refreshes are stretched, with the usual margin.
   void find_load() {
-    plan_.lightness = 1;
-    plan_.load = total_load(false);
+    find_load_with(1);
     if (plan_.load <= kLight || !wire_.rules.timetable) return;
-    plan_.lightness = 0;
-    plan_.load = total_load(false);
-    plan_.lightness = std::clamp((kCrowded - plan_.load) / (kCrowded - kLight), 0.0, 1.0);
-    if (plan_.lightness > 0) plan_.load = total_load(false);
+    find_load_with(0);
+    const double lightness = std::clamp((kCrowded - plan_.load) / (kCrowded - kLight), 0.0, 1.0);
+    if (lightness > 0) find_load_with(lightness);
+    if (plan_.demand <= kMost) return;
+    find_load_at(margin_for(plan_.demand));
+    if (plan_.demand > kFullLoad) find_load_with(0);
+  }
+  // `needed`: share of the wire at the present margin.
+  [[nodiscard]] double margin_for(double needed) const {
+    return std::max(wire_.weights.least_margin, 1 - (1 - plan_.margin) * needed / kMost);
   }
 
   [[nodiscard]] double enough_stretch() {
@@ -179,37 +193,46 @@ class PlanMaker {
     return enough;
   }
 
-  // Whole slots need more wire time than the requested refreshes; if it is too much, all refreshes
-  // are stretched slightly more.
+  // Whole slots need more wire time than the requested refreshes; if it is too much, the margin is
+  // smaller, or all refreshes are stretched slightly more.
   [[nodiscard]] std::vector<Timetable> fit(double factor) {
-    constexpr double kMost = 0.994;
     constexpr int kAttempts = 8;
+    constexpr double kClose = 1e-4;
     std::vector<Timetable> others;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       others = make_timetable();
+      if (plan_.table->load() * basis_.overrun > kMost && factor <= 1) {
+        plan_.margin = margin_for(plan_.table->load() * basis_.overrun);
+        plan_.table->set_period(base_period());
+        for (Timetable& other : others) other.set_period(base_period());
+      }
       double requested = 0;
       for (GroupIndex index = 0; index < plan_.groups.size(); ++index) {
         if (!plan_.table->request(index).members.empty()) requested += load_of_group(index, true);
       }
       if (requested > 0) plan_.fit = plan_.table->load() / requested;
       const double needed = plan_.table->load() * basis_.overrun;
-      if (needed <= kMost) break;
+      if (needed <= kMost + kClose) break;
+      plan_.margin = std::max(plan_.margin, wire_.weights.margin);
       factor *= 1.002 * needed / kMost;
       stretch_to(factor);
     }
     return others;
   }
 
+  [[nodiscard]] Duration base_period() const {
+    return std::max(Duration{1}, cycle_period(plan_.fastest, plan_.fastest, plan_.margin));
+  }
+
   [[nodiscard]] std::vector<Timetable> make_timetable() {
     constexpr std::size_t kMany = 2000;  // number of points above which each is placed only once
-    const Duration base = cycle_period(plan_.fastest, plan_.fastest, margin_of(wire_, plan_));
-    plan_.table.emplace(std::max(Duration{1}, base),
-                        part_of(wire_.weights.margin - wire_.weights.unforeseen, plan_.fastest));
+    plan_.table.emplace(TableTiming{base_period(), plan_.fastest, wire_.weights.unforeseen});
     std::vector<TimetableRequest> requests;
     for (const Group& group : plan_.grouping.groups)
       requests.push_back(request_of(wire_, plan_, group, points_of(group, points())));
     return plan_.table->fill(std::move(requests),
-                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds);
+                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds,
+                             wire_.weights.search && plan_.stretch <= 1);
   }
 
   [[nodiscard]] ReadPlan finished(ReadPlan plan) const {
@@ -257,16 +280,14 @@ Duration fastest_of(std::span<const PlannedPoint> points, Duration lead) {
 }
 
 ReadPlan amended(ReadPlan plan, const WireModel& wire, std::span<const PointState> points,
-                 std::span<const GroupIndex> changed, OtherGroups others) {
+                 std::span<const GroupIndex> changed) {
   if (!plan.table) return plan;
   for (const GroupIndex index : changed) {
     const Group& group = plan.grouping.groups[index];
     plan.table->change(index, request_of(wire, plan, group, points_of(group, points)));
   }
   plan.table->align();
-  if (others == OtherGroups::kFollow) return with_all_phases(std::move(plan), wire, points);
-  for (const GroupIndex index : changed) set_phases(plan, wire, index, points);
-  return plan;
+  return with_all_phases(std::move(plan), wire, points);
 }
 
 PlannedLoad planned_load_of(const ScheduleInput& input, Planner planner) {

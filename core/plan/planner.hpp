@@ -31,13 +31,11 @@ struct PlanBasis {
 
 [[nodiscard]] Duration fastest_of(std::span<const PlannedPoint> points, Duration lead);
 
-// Whether unchanged groups keep their read times, or follow the timetable.
-enum class OtherGroups : std::uint8_t { kStay, kFollow };
-
-// Changed groups get phases in the present timetable. `points`: by OrderIndex.
+// Changed groups get phases in the present timetable; the reads of the others keep their slots and
+// follow its order. `points`: by OrderIndex.
 [[nodiscard]] ReadPlan amended(ReadPlan plan, const WireModel& wire,
                                std::span<const PointState> points,
-                               std::span<const GroupIndex> changed, OtherGroups others);
+                               std::span<const GroupIndex> changed);
 
 struct PlannedLoad {
   double load = 0, stretch = 1;

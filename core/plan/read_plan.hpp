@@ -38,16 +38,17 @@ namespace fieldcast {
 struct PlannedGroup {
   // Zero if not in the timetable: the group's reads follow its most urgent point.
   Duration period{};
-  Duration phase{};  // from the start of the table to the end of a response
-  Duration slack{};  // how much a read may end earlier than its phase
+  Duration phase{};  // from the start of the table to the end of a response, at the latest
+  Duration slack{};  // how much earlier than planned its reads may end
   double load = 0;   // share of the wire
   friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
 };
 
 struct PointPlan {
-  double stretch = 1;  // factor on its refresh under overload
-  Duration period{};   // zero if not in the timetable
-  Duration phase{};    // from the start of the table to one of its acquisitions
+  double stretch = 1;               // factor on its refresh under overload
+  Duration period{};                // zero if not in the timetable
+  Duration phase{};                 // from the start of the table to one of its acquisitions
+  Slots first_slot = 0, every = 0;  // the slots in which it is read
   // Longest planned time between two acquisitions; empty if it has no period, or is not read.
   std::optional<Duration> worst_gap;
   friend bool operator==(const PointPlan&, const PointPlan&) = default;
@@ -67,11 +68,20 @@ struct ReadPlan {
   double stretch = 1;    // maximum of all points
   double demand = 0;     // load and overrun that the plan was made for
   double lightness = 1;  // 0 on a fully loaded wire, 1 on a lightly loaded one
+  double margin = 0;     // part by which the base period is shorter than `fastest`
   Duration fastest{1};   // smallest allowed gap of all scheduled points
 
   [[nodiscard]] Duration slot() const { return table ? table->slot() : Duration::zero(); }
   [[nodiscard]] Duration hyperperiod() const {
     return table ? table->hyperperiod() : Duration::zero();
+  }
+  // The last planned end of a response with this point up to `until`, from the start of the table.
+  // `tail`: from the end of a response until the wire is free. REQUIRES: the point has a period.
+  [[nodiscard]] Duration last_acquisition(OrderIndex point, Duration tail, Duration until) const {
+    const PointPlan& planned = points[point];
+    return table->last_end(grouping.group_at[point], planned.first_slot, planned.every,
+                           until + tail) -
+           tail;
   }
   // Includes the cost of whole slots.
   [[nodiscard]] double planned_load() const { return load * fit; }

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "core/plan/layout/time_math.hpp"
@@ -25,16 +24,36 @@ constexpr std::array<Levels, 8> kLevels{
 
 std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
 
+void prepare(TimetableRequest& request, const TableLength& length) {
+  set_periods(request, length);
+  request.nested = !std::ranges::is_sorted(request.members, {}, &TimetableMember::end);
+}
+
 double growth(Duration before, double more) { return more * (2.0 * ns(before) + more); }
+
+// Wire time of one range from the first due member to the last one.
+template <typename DueIn>
+Duration range_cost(const TimetableRequest& request, std::size_t words, const DueIn& due_in) {
+  std::size_t first = 0;
+  while (first < words && due_in(first) == 0) ++first;
+  if (first == words) return Duration::zero();
+  std::size_t last = words - 1;
+  while (due_in(last) == 0) --last;
+  const TimetableMember& begin =
+      request.members[first * 64 + static_cast<std::size_t>(std::countr_zero(due_in(first)))];
+  const TimetableMember& end =
+      request.members[last * 64 + 63 - static_cast<std::size_t>(std::countl_zero(due_in(last)))];
+  return request.base_cost +
+         Duration{static_cast<Duration::rep>(begin.item_ns * (end.end - begin.first))};
+}
 
 }  // namespace
 
 void Timetable::choose_length() {
   length_ = table_length(requests_);
   slots_ = length_.slots;
-  slot_ = std::max(Duration{1}, base_period_ / length_.parts);
-  slack_ = base_slack_ / length_.parts;
-  for (TimetableRequest& request : requests_) set_periods(request, length_);
+  slot_ = std::max(Duration{1}, timing_.period / length_.parts);
+  for (TimetableRequest& request : requests_) prepare(request, length_);
   shortest_ = slots_;
   for (const TimetableRequest& request : requests_) {
     if (!request.members.empty()) shortest_ = std::min(shortest_, request.period);
@@ -46,13 +65,15 @@ Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t extra) 
   const TimetableRequest& request = requests_[index];
   const std::size_t words = words_for(request.members.size());
   const std::uint64_t* const due = due_[index].data() + slot * words;
+  const auto due_in = [&](std::size_t word) {
+    return extra / 64 == word ? due[word] | std::uint64_t{1} << extra % 64 : due[word];
+  };
+  if (!request.list && !request.nested) return range_cost(request, words, due_in);
   const TimetableMember* range = nullptr;  // first member of the range
   std::uint32_t end = 0;
   double sum = 0;
   for (std::size_t word = 0; word < words; ++word) {
-    std::uint64_t left = due[word];
-    if (extra / 64 == word) left |= std::uint64_t{1} << extra % 64;
-    for (; left != 0; left &= left - 1) {
+    for (std::uint64_t left = due_in(word); left != 0; left &= left - 1) {
       const TimetableMember& member =
           request.members[word * 64 + static_cast<std::size_t>(std::countr_zero(left))];
       const bool joins =
@@ -81,13 +102,17 @@ void Timetable::mark(std::size_t index, std::size_t member, Slots slot, bool due
 
 void Timetable::set_cost(std::size_t index, Slots slot, Duration cost) {
   Duration& now = this->cost(index, slot);
+  if (now == cost) return;
+  if (windows_) windows_->change(requests_[index].rank, slot, now, cost);
   total_[slot] += cost - now;
   if (requests_[index].period == shortest_) steady_[slot] += cost - now;
   now = cost;
 }
 
 double Timetable::strain(std::size_t index, Slots slot, Duration cost) const {
-  const Duration now = cost_[index * slots_ + slot];
+  const Duration now = this->cost(index, slot);
+  if (windows_)
+    return static_cast<double>(windows_->strain(requests_[index].rank, slot, now, cost));
   const double more = ns(cost - now);
   const double steady =
       requests_[index].period == shortest_ ? level_steady_ * growth(steady_[slot], more) : 0;
@@ -107,8 +132,13 @@ void Timetable::place(std::size_t index, std::size_t which) {
       sum += strain(index, slot, read_cost(index, slot, which));
     if (phase == request.phase || sum < least) least = sum, best = phase;
   }
-  member.phase = best;
-  for (Slots slot = best; slot < slots_; slot += member.period) {
+  put(index, which, best);
+}
+
+void Timetable::put(std::size_t index, std::size_t which, Slots phase) {
+  TimetableMember& member = requests_[index].members[which];
+  member.phase = phase;
+  for (Slots slot = phase; slot < slots_; slot += member.period) {
     mark(index, which, slot, true);
     set_cost(index, slot, read_cost(index, slot));
   }
@@ -154,58 +184,25 @@ void Timetable::leave(std::size_t index) {
   for (Slots slot = 0; slot < slots_; ++slot) set_cost(index, slot, Duration::zero());
 }
 
-// Earlier requests of a slot are assumed to end as late as allowed. Short periods are first; among
-// equal ones, those whose reads change least.
-void Timetable::align() {
-  std::vector<std::size_t> order(requests_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto slower_members = [&](std::size_t index) {
-    const TimetableRequest& request = requests_[index];
-    return std::ranges::count_if(request.members,
-                                 [&](const auto& m) { return m.period > request.period; });
-  };
-  std::vector<std::ptrdiff_t> slower(requests_.size());
-  for (std::size_t index = 0; index < requests_.size(); ++index)
-    slower[index] = slower_members(index);
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
-  });
-  std::vector<Duration> end(slots_);
-  for (const std::size_t index : order) {
-    TimetableRequest& request = requests_[index];
-    request.latest_end = Duration::zero();
-    for (Slots slot = request.phase; slot < slots_; slot += request.period) {
-      end[slot] += cost(index, slot);
-      request.latest_end = std::max(request.latest_end, end[slot]);
-    }
-    const Duration earliest = request.latest_end - slack_ * request.period;
-    for (Slots slot = request.phase; slot < slots_; slot += request.period)
-      end[slot] = std::max(end[slot], earliest);
-  }
-}
-
-std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
+std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds,
+                                       bool search) {
   constexpr std::size_t kLarge = 8'000;  // reads in the table above which it is made only once
   requests_ = std::move(requests);
   choose_length();
+  set_ranks();
   std::vector<Timetable> ways;
   for (const Levels& levels : kLevels) {
     level_slots_ = levels.slots;
     level_steady_ = levels.steady;
     settle(rounds);
-    if (cost_.size() > kLarge) return {};
     ways.push_back(*this);
+    if (cost_.size() > kLarge) break;
   }
-  std::ranges::stable_sort(ways, {}, [](const Timetable& way) { return way.latest_end(); });
+  sort_by_reserve(ways);
+  if (search && rounds > 0 && ways.front().spare_ < timing_.reserve) improve_all(ways);
   *this = std::move(ways.front());
   ways.erase(ways.begin());
   return ways;
-}
-
-Duration Timetable::latest_end() const {
-  Duration latest{};
-  for (const TimetableRequest& request : requests_) latest = std::max(latest, request.latest_end);
-  return latest;
 }
 
 bool Timetable::empty() const {
@@ -242,8 +239,9 @@ void Timetable::settle(unsigned rounds) {
 }
 
 void Timetable::change(std::size_t index, TimetableRequest request) {
-  set_periods(request, length_);
+  prepare(request, length_);
   TimetableRequest& before = requests_[index];
+  request.rank = before.rank;
   const bool same =
       request.period == before.period &&
       std::equal(request.members.begin(), request.members.end(), before.members.begin(),

@@ -5,15 +5,19 @@
 //
 // Phases are chosen for short reads (neighbours share the gap between them) and equal load of
 // slots. Points are placed one by one, then each is placed again a few times. Within a slot
-// requests have an order. Each must end at the same time in all its slots, as its fastest points
-// would be late by the difference otherwise. Keeps the data needed to change single requests. A
-// value; any thread.
+// requests have an order. Every read has a planned end: as soon as the wire allows, but not so
+// early that the next read of one of its points would be too late. Keeps the data needed to change
+// single requests. A value; any thread.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/plan/windows.hpp"
 
 namespace fieldcast {
 
@@ -32,11 +36,14 @@ struct TimetableMember {
 };
 
 struct TimetableRequest {
-  bool list = false;      // a list of ranges; otherwise one range covers the due members
-  Duration base_cost{};   // wire time without any item
-  Slots period = 1;       // from one transmission to the next
-  Slots phase = 0;        // slot of one transmission, less than `period`
-  Duration latest_end{};  // latest end of its reads after the start of their slot
+  bool list = false;     // a list of ranges; otherwise one range covers the due members
+  bool nested = false;   // a member ends after a later one
+  Duration base_cost{};  // wire time without any item
+  Slots period = 1;      // from one transmission to the next
+  Slots phase = 0;       // slot of one transmission, less than `period`
+  // In a slot: how many of the most frequent requests are sent before it.
+  std::uint32_t rank = 0;
+  Duration latest_end{};  // of its reads, after the start of their slot
   std::vector<TimetableMember> members;
   friend bool operator==(const TimetableRequest&, const TimetableRequest&) = default;
 };
@@ -47,14 +54,24 @@ struct TableLength {
   friend bool operator==(const TableLength&, const TableLength&) = default;
 };
 
+// All for the fastest refresh of the bus.
+struct TableTiming {
+  Duration period{1};  // base period; less if the reads of a slot need less
+  Duration gap{1};     // allowed gap: the longest time between two reads
+  double reserve = 0;  // part of an allowed gap that the plan leaves unused, if it can
+  friend bool operator==(const TableTiming&, const TableTiming&) = default;
+};
+
 class Timetable {
  public:
-  // `slack`: how much earlier in its slot a read may end than the previous one.
-  Timetable(Duration base_period, Duration slack)
-      : base_period_(base_period), base_slack_(slack), slot_(base_period), slack_(slack) {}
+  explicit Timetable(const TableTiming& timing) : timing_(timing), slot_(timing.period) {}
 
-  // This object becomes the variant whose slots end first; returns the others, in this order.
-  std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds);
+  // This object becomes the variant with the largest reserve; returns the others, in this order.
+  // `search`: for rounds of equal length, if the reserve is too small.
+  std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds,
+                              bool search = true);
+  // Changes the length of the slots; the reads in them stay.
+  void set_period(Duration base_period);
   // Other requests keep their phases, as does this one if only its costs change. Then call align().
   void change(std::size_t index, TimetableRequest request);
   void align();
@@ -63,8 +80,24 @@ class Timetable {
     return requests_[index];
   }
   [[nodiscard]] Duration slot() const { return slot_; }
-  // How much earlier a read may end than planned, per slot of its request's period.
-  [[nodiscard]] Duration slack() const { return slack_; }
+  // Of each read, by slot, from the start of the table; zero in slots without a read.
+  [[nodiscard]] std::span<const Duration> ends(std::size_t index) const {
+    return std::span(ends_).subspan(index * slots_, slots_);
+  }
+  // The last planned end up to `until`, in slots phase, phase + period, .. Both times count from
+  // the start of the table, which repeats in both directions.
+  [[nodiscard]] Duration last_end(std::size_t index, Slots phase, Slots period,
+                                  Duration until) const;
+  // The longest planned time between two reads of the member.
+  [[nodiscard]] Duration longest_gap(std::size_t index, const TimetableMember& member) const {
+    return longest_gap(index, member, ends_, hyperperiod());
+  }
+  // How much earlier than planned reads of the request may end, at most `most`, so that no gap to
+  // the next read is too long.
+  [[nodiscard]] Duration slack(std::size_t index, Duration most) const;
+  // Smallest part of an allowed gap that is left if the wire never rests; negative if a gap of the
+  // plan is too long.
+  [[nodiscard]] double spare() const { return spare_; }
   [[nodiscard]] Duration hyperperiod() const { return slot_ * slots_; }
   [[nodiscard]] double load() const;                   // share of the wire
   [[nodiscard]] double load(std::size_t index) const;  // share of one request
@@ -75,9 +108,31 @@ class Timetable {
  private:
   void choose_length();
   void settle(unsigned rounds);
+  void sort_by_reserve(std::vector<Timetable>& ways) const;
+  void improve_all(std::vector<Timetable>& ways) const;
+  unsigned improve(unsigned passes);
+  void kick(std::minstd_rand& random);
+  void start_rounds();
+  bool move_in_order(std::size_t index);
+  bool move_in_table(std::size_t index);
+  void set_ranks();
+  [[nodiscard]] std::vector<std::size_t> order() const;
+  [[nodiscard]] Duration allowed(const TimetableMember& member, double reserve) const;
+  [[nodiscard]] Duration longest_gap(std::size_t index, const TimetableMember& member,
+                                     std::span<const Duration> ends, Duration length) const;
+  [[nodiscard]] double spare(std::span<const Duration> ends, Duration length) const;
+  [[nodiscard]] double spare_without_rests(std::span<const std::size_t> order) const;
+  bool wait_for_next(std::span<const std::size_t> order, double reserve);
+  void set_latest_end(std::size_t index);
   [[nodiscard]] Duration latest_end() const;
   [[nodiscard]] Duration& cost(std::size_t index, Slots slot) {
     return cost_[index * slots_ + slot];
+  }
+  [[nodiscard]] Duration cost(std::size_t index, Slots slot) const {
+    return cost_[index * slots_ + slot];
+  }
+  [[nodiscard]] bool frequent(std::size_t index) const {
+    return !requests_[index].members.empty() && requests_[index].period == shortest_;
   }
   [[nodiscard]] Duration read_cost(std::size_t index, Slots slot,
                                    std::size_t extra = kNobody) const;
@@ -87,21 +142,25 @@ class Timetable {
   void enter(std::size_t index);
   void leave(std::size_t index);
   void place(std::size_t index, std::size_t member);
+  void put(std::size_t index, std::size_t member, Slots phase);
   void take_out(std::size_t index, std::size_t member);
 
   static constexpr std::size_t kNobody = ~std::size_t{0};
-  Duration base_period_, base_slack_;
-  Duration slot_, slack_;  // derived from the base values
+  TableTiming timing_;
+  Duration slot_;  // derived from the timing
   TableLength length_;
   Slots slots_ = 1;     // of the whole table
   Slots shortest_ = 1;  // of all requests' periods
   double level_slots_ = 0, level_steady_ = 0;
+  double spare_ = 0;
   std::vector<TimetableRequest> requests_;
   // By request: a bit per member, slot by slot.
   std::vector<std::vector<std::uint64_t>> due_;
-  std::vector<Duration> cost_;    // of each request in each slot
-  std::vector<Duration> total_;   // of each slot
-  std::vector<Duration> steady_;  // of the most frequent requests in each slot
+  std::vector<Duration> cost_;      // of each request in each slot
+  std::vector<Duration> ends_;      // of each read, from the start of the table
+  std::vector<Duration> total_;     // of each slot
+  std::vector<Duration> steady_;    // of the most frequent requests in each slot
+  std::optional<Windows> windows_;  // only while phases are improved
 };
 
 }  // namespace fieldcast

@@ -43,7 +43,8 @@ class Run {
   Run(const ScheduleInput& input, const PredictionOptions& options)
       : input_(input),
         options_(options),
-        scheduler_(make_scheduler(assumed_of(input, options), options.planner)),
+        scheduler_(std::make_unique<Scheduler>(assumed_of(input, options), options.planner,
+                                               CyclicWeights{.search = options.search})),
         last_(input.points.size(), kStart) {
     if (options.assumed) times_ = PlannedTimes(areas_of(input), *options.assumed);
     result_.points.resize(input.points.size());
@@ -173,7 +174,9 @@ Prediction predict(const ScheduleInput& input, const PredictionOptions& options)
   prediction.feasible = prediction.feasible && !prediction.narrow;
   if (prediction.planned_load > 1) prediction.planned_load = asked_load(input, options.planner);
   if (prediction.feasible || !options.remedies) return prediction;
-  const auto works_too = [&](const ScheduleInput& other) { return works(other, options); };
+  PredictionOptions quick = options;  // dozens of plans are tried
+  quick.search = false;
+  const auto works_too = [&](const ScheduleInput& other) { return works(other, quick); };
   prediction.remedies = find_remedies(input, works_too, prediction.planned_load, options.planner);
   return prediction;
 }

@@ -17,6 +17,8 @@ struct PredictionOptions {
   Duration horizon{};
   std::uint64_t max_reads = 100'000;  // limit of the run
   bool remedies = true;               // if infeasible, search for remedies
+  // Searches for rounds of equal length, as the engine does. Remedies are tried without.
+  bool search = true;
   Planner planner = Planner::kCyclic;
   // Initial response time of every device in the scheduler; empty: that of the input.
   std::optional<Duration> assumed;

@@ -86,7 +86,7 @@ TYPED_TEST(AnyDispatcher, APointIsDueAgainWithinItsAllowedGap) {
   Bench bench({1});
   TypeParam dispatcher;
   PointState& point = bench.state.points[0];
-  dispatcher.renew(bench.state, bench.state.groups[0], point, kNow);
+  dispatcher.renew(bench.plan, bench.state, 0, kNow);
   EXPECT_EQ(point.deadline, kNow + point.allowed_gap);
   EXPECT_LE(point.due, point.deadline);
   EXPECT_GT(point.due, kNow);
@@ -130,7 +130,7 @@ TEST(CyclicDispatcher, APointReadEarlyKeepsItsInstant) {
   point.eager = false;
   point.due = kNow + point.allowed_gap * 8 / 10;
   const Instant due = point.due;
-  dispatcher.renew(bench.state, bench.state.groups[0], point, kNow);
+  dispatcher.renew(bench.plan, bench.state, 0, kNow);
   EXPECT_EQ(point.due, due);
 }
 

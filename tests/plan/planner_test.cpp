@@ -82,7 +82,7 @@ TEST(Planner, AmendingForNothingChangesNothing) {
   const Planned planned(plant(5, 3));
   const ReadPlan plan = planned.make().front();
   const std::vector<GroupIndex> changed{0, 1};
-  EXPECT_EQ(amended(plan, planned.wire, planned.states(plan), changed, OtherGroups::kStay), plan);
+  EXPECT_EQ(amended(plan, planned.wire, planned.states(plan), changed), plan);
 }
 
 TEST(Planner, AnAmendedPlanLeavesOtherGroupsAlone) {
@@ -92,15 +92,15 @@ TEST(Planner, AnAmendedPlanLeavesOtherGroupsAlone) {
   for (OrderIndex at = plan.grouping.groups[0].begin; at < plan.grouping.groups[0].end; ++at)
     states[at].refresh *= 4;
   const std::vector<GroupIndex> changed{0};
-  const ReadPlan other = amended(plan, planned.wire, states, changed, OtherGroups::kStay);
+  const ReadPlan other = amended(plan, planned.wire, states, changed);
   EXPECT_GT(other.groups[0].period, plan.groups[0].period);
   EXPECT_LT(other.groups[0].load, plan.groups[0].load);
   for (GroupIndex group = 1; group < plan.groups.size(); ++group)
-    EXPECT_EQ(other.groups[group], plan.groups[group]) << group;
-  const ReadPlan followed = amended(plan, planned.wire, states, changed, OtherGroups::kFollow);
-  EXPECT_EQ(followed.table, other.table);
-  for (GroupIndex group = 1; group < plan.groups.size(); ++group)
-    EXPECT_EQ(followed.groups[group].period, plan.groups[group].period) << group;
+    EXPECT_EQ(other.groups[group].period, plan.groups[group].period) << group;
+  for (OrderIndex at = plan.grouping.groups[1].begin; at < plan.points.size(); ++at) {
+    EXPECT_EQ(other.points[at].first_slot, plan.points[at].first_slot) << at;
+    EXPECT_EQ(other.points[at].every, plan.points[at].every) << at;
+  }
 }
 
 TEST(Planner, LoadIsThatOfWhatIsAskedForNow) {

@@ -78,6 +78,11 @@ Instant DispatchState::next_wake() const {
   return at;
 }
 
+Instant DispatchState::last_instant(const ReadPlan& plan, OrderIndex point, Instant until) const {
+  const Group& group = plan.grouping.groups[plan.grouping.group_at[point]];
+  return table_began + plan.last_acquisition(point, wire.tails[group.device], until - table_began);
+}
+
 Instant DispatchState::find_urgent(const ReadPlan& plan, GroupIndex index, Instant now) {
   GroupState& group = groups[index];
   const auto members = points_of(plan, index);

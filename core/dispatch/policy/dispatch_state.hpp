@@ -152,6 +152,8 @@ struct DispatchState {
   // Needs at most `free`; empty if there is none.
   [[nodiscard]] std::optional<Block> spare_read(const ReadPlan& plan, Instant now, Duration free);
   [[nodiscard]] Instant next_wake() const;
+  // The last planned acquisition of a point up to `until`. REQUIRES: the point has a period.
+  [[nodiscard]] Instant last_instant(const ReadPlan& plan, OrderIndex point, Instant until) const;
   // Updates `asleep` and `spare`. Returns the due time of the group's next read; kNever if none.
   [[nodiscard]] Instant find_urgent(const ReadPlan& plan, GroupIndex group, Instant now);
 
@@ -159,6 +161,7 @@ struct DispatchState {
   void set_next_read(const ReadPlan& plan, GroupIndex group, Instant due, Instant now);
 
   WireModel wire;
+  Instant table_began{};
   std::vector<PointState> points;        // by OrderIndex
   std::vector<GroupState> groups;        // as in the plan
   std::vector<LinePace> paces;           // by device

@@ -10,17 +10,18 @@ namespace {
 // An even earlier read would have to be repeated.
 Duration early_by(const ReadPlan& plan, GroupIndex group, const PointState& head) {
   constexpr double kWithoutPhase = 0.1;  // of the allowed gap, for reads without a phase
-  if (head.eager || head.period == Duration::zero())
-    return part_of(kWithoutPhase, head.allowed_gap);
-  return plan.groups[group].slack;
+  const bool has_phase = !head.eager && head.period > Duration::zero();
+  return has_phase ? plan.groups[group].slack : part_of(kWithoutPhase, head.allowed_gap);
 }
 
-Instant next_due(const Cycle& group, const PointState& point, Instant acquired) {
-  if (point.mode == Mode::kIntensive || group.period == Duration::zero())
+Instant next_due(const ReadPlan& plan, const DispatchState& state, OrderIndex index,
+                 Instant acquired) {
+  const PointState& point = state.points[index];
+  const Cycle& cycle = state.groups[plan.grouping.group_at[index]].cycle;
+  if (point.mode == Mode::kIntensive || cycle.period == Duration::zero())
     return later(acquired, point.allowed_gap);
-  if (point.period == Duration::zero()) return due_after(group, acquired, point.allowed_gap);
-  const Instant latest = later(acquired, point.allowed_gap);
-  return latest - since_phase(latest, point.phase, point.period);
+  if (point.period == Duration::zero()) return due_after(cycle, acquired, point.allowed_gap);
+  return state.last_instant(plan, index, later(acquired, point.allowed_gap));
 }
 
 }  // namespace
@@ -83,11 +84,12 @@ void CyclicDispatcher::enqueue(const ReadPlan& plan, DispatchState& state, Group
     state.queues.held.put(index, release);
 }
 
-void CyclicDispatcher::renew(const DispatchState& state, const GroupState& group, PointState& point,
+void CyclicDispatcher::renew(const ReadPlan& plan, DispatchState& state, OrderIndex index,
                              Instant acquired) const {
+  PointState& point = state.points[index];
   const bool keeps = point.mode == Mode::kScheduled && !point.eager && !point.suspect;
   if (!keeps || point.used(acquired) >= state.wire.weights.keep)
-    point.due = next_due(group.cycle, point, acquired);
+    point.due = next_due(plan, state, index, acquired);
   point.deadline = later(acquired, point.allowed_gap);
 }
 

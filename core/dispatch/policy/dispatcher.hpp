@@ -20,8 +20,7 @@ class CyclicDispatcher {
   void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
                Instant now);
   // A point that was read early keeps its due time.
-  void renew(const DispatchState& state, const GroupState& group, PointState& point,
-             Instant acquired) const;
+  void renew(const ReadPlan& plan, DispatchState& state, OrderIndex index, Instant acquired) const;
   void forget() {}
 
  private:
@@ -41,8 +40,8 @@ class LookAheadDispatcher {
                Instant now) {
     look_ahead_.enqueue(plan, state, group, due, now);
   }
-  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
-    LookAhead::renew(point, acquired);
+  void renew(const ReadPlan&, DispatchState& state, OrderIndex index, Instant acquired) const {
+    LookAhead::renew(state.points[index], acquired);
   }
 
  protected:
@@ -87,7 +86,8 @@ class IntensiveDispatcher {
     state.set_next_read(plan, index, due, now);
     state.queues.due.put(index, due);
   }
-  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
+  void renew(const ReadPlan&, DispatchState& state, OrderIndex index, Instant acquired) const {
+    PointState& point = state.points[index];
     point.due = point.deadline = later(acquired, point.allowed_gap);
   }
   void forget() const {}
@@ -97,14 +97,14 @@ class IntensiveDispatcher {
 template <typename D>
 concept ReadDispatcher = std::copyable<D> &&
     requires(D dispatcher, const D& constant, const ReadPlan& plan, DispatchState& state,
-             const GroupState& group, PointState& point, GroupIndex index, Instant at) {
+             OrderIndex point, GroupIndex index, Instant at) {
   // REQUIRES: the wire is free.
   { dispatcher.next(plan, state, at) } -> std::same_as<Decision>;
   // How long the wire may be used otherwise without delaying a point.
   { dispatcher.slack(plan, state, at) } -> std::same_as<Duration>;
   // A group has a new next read, due at the first time; the second one is now.
   { dispatcher.enqueue(plan, state, index, at, at) } -> std::same_as<void>;
-  { constant.renew(state, group, point, at) } -> std::same_as<void>;
+  { constant.renew(plan, state, point, at) } -> std::same_as<void>;
   { dispatcher.forget() } -> std::same_as<void>;
 };
 

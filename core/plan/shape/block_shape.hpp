@@ -14,15 +14,17 @@ namespace fieldcast {
 struct CyclicWeights {
   // A point due within this part of a period after a read joins it, to avoid a separate request.
   double reach = 0.8;
-  // Part by which the base period is shorter than the fastest refresh of the bus.
-  double margin = 0.058;
-  // Part of the margin for unplanned delays (noise, retries); the rest is slack.
+  // Part by which the base period is shorter than the fastest refresh of the bus; on a wire that has
+  // no time for it, as little as `least_margin`.
+  double margin = 0.058, least_margin = 0.008;
+  // Part of an allowed gap that is kept for unplanned delays (noise, retries), if possible.
   double unforeseen = 0.013;
   // A point that is read again before it used this share of its allowed gap keeps its phase.
   double keep = 0.3;
   // Additional margin on a lightly loaded bus.
-  double light_reserve = 0.08;
+  double light_reserve = 0.1;
   unsigned rounds = 6;
+  bool search = true;  // for rounds of equal length, which takes up to a second
   // Reads that planners without a timetable look ahead.
   unsigned look_ahead = 64;
 };

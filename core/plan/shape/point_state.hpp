@@ -35,7 +35,6 @@ struct PointState : PlannedPoint {
   Instant due = kNever;       // when it should be read again
   Instant deadline = kNever;  // end of the allowed gap; not before `due`
   Instant retry_at{};         // not read before this time
-  Instant phase{};            // any instant of its cycle
   Duration period{};          // zero without a cycle
 
   [[nodiscard]] bool ready(Instant now) const { return wanted() && retry_at <= now; }

@@ -8,7 +8,7 @@
 namespace fieldcast::bench {
 
 constexpr double kLeastShare = 0.05;  // always sustainable
-constexpr double kShareStep = 0.004;  // resolution of the result
+constexpr double kShareStep = 0.001;  // resolution of the result
 
 [[nodiscard]] constexpr std::size_t trials_below(double most) {
   std::size_t trials = 0;
