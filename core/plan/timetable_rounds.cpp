@@ -1,9 +1,8 @@
-// The order of requests within a slot, the planned ends of their reads, and the search for rounds of
-// equal length (windows.hpp).
+// The order of requests within a slot, the planned ends of their reads, and the search for rounds
+// of equal length (windows.hpp).
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <random>
 #include <tuple>
 #include <utility>
 
@@ -182,6 +181,12 @@ constexpr int kGoals = 2;
 // One of so many slower members is moved anywhere before the best plan is improved again.
 constexpr unsigned kKicked = 20;
 
+// A number below `count`, the same on every machine (Park, Miller, Stockmeyer 1993).
+std::uint32_t any(std::uint32_t& random, std::uint32_t count) {
+  random = static_cast<std::uint32_t>(std::uint64_t{48'271} * random % 2'147'483'647);
+  return random % count;
+}
+
 }  // namespace
 
 // Improves each way, then the best one again from other places.
@@ -196,7 +201,7 @@ void Timetable::improve_all(std::vector<Timetable>& ways) const {
     if (way.spare_ >= timing_.reserve) break;
   }
   sort_by_reserve(ways);
-  std::minstd_rand random;  // the same numbers on every machine
+  std::uint32_t random = 1;
   while (passes < most_passes && ways.front().spare_ < timing_.reserve) {
     Timetable other = ways.front();
     other.kick(random);
@@ -206,13 +211,13 @@ void Timetable::improve_all(std::vector<Timetable>& ways) const {
 }
 
 // Moves some slower members to any phase.
-void Timetable::kick(std::minstd_rand& random) {
+void Timetable::kick(std::uint32_t& random) {
   for (std::size_t index = 0; index < requests_.size(); ++index) {
     const TimetableRequest& request = requests_[index];
     for (std::size_t which = 0; which < request.members.size(); ++which) {
       const Slots period = std::min(request.members[which].period, slots_);
-      if (period == request.period || random() % kKicked != 0) continue;
-      const Slots choice = static_cast<Slots>(random() % (period / request.period));
+      if (period == request.period || any(random, kKicked) != 0) continue;
+      const Slots choice = any(random, period / request.period);
       take_out(index, which);
       put(index, which, request.phase + request.period * choice);
     }

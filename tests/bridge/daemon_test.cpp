@@ -298,7 +298,7 @@ TEST_F(DaemonTest, CheckAndStartWarnOnceOfABusWhoseWireIsTooNarrow) {
   EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
   EXPECT_THAT(check.output(),
               AllOf(HasSubstr("warning: crowd: more is wanted than the wire carries"),
-                    HasSubstr("115200 baud")));
+                    HasSubstr("57600 baud")));
   EXPECT_THAT(check.output(), testing::Not(HasSubstr("warning: one")));
 
   Process bridge({file});

@@ -10,8 +10,9 @@
 //    7ms      command c1 write press-1/setpoint = 5 verify expires 2s
 //    9ms      result c1 done
 //
-// After "0 trace", each request is followed by "asks ..." and traces by "traced ...". "+4ms" counts from the next request without a response ("+0 lost": it gets no response), "++4ms"
-// from the previous event. Blank lines and lines that begin with # are kept.
+// After "0 trace", each request is followed by "asks ..." and traces by "traced ...". "+4ms" counts
+// from the next request without a response ("+0 lost": it gets no response), "++4ms" from the
+// previous event. Blank lines and lines that begin with # are kept.
 #pragma once
 
 #include <string>

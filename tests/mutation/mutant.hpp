@@ -1,4 +1,5 @@
-// Included before every source of a tree with mutants (mutate.py): switches one of them on, and records which of them each test evaluates.
+// Included before every source of a tree with mutants (mutate.py): switches one of them on, and
+// records which of them each test evaluates.
 #pragma once
 
 #include <cstdio>
@@ -21,7 +22,8 @@ constexpr bool fc_mutant(int number) {
 
 #include <string>
 
-// Appends a line for each test to the file that FIELDCAST_REACHED names: its name (* before the first test), milliseconds, mutants.
+// Appends a line for each test to the file that FIELDCAST_REACHED names: its name (* before the
+// first test), milliseconds, mutants.
 class FcRecorder : public testing::EmptyTestEventListener {
  public:
   void OnTestProgramStart(const testing::UnitTest&) override { write("*", 0); }

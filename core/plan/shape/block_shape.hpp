@@ -14,8 +14,8 @@ namespace fieldcast {
 struct CyclicWeights {
   // A point due within this part of a period after a read joins it, to avoid a separate request.
   double reach = 0.8;
-  // Part by which the base period is shorter than the fastest refresh of the bus; on a wire that has
-  // no time for it, as little as `least_margin`.
+  // Part by which the base period is shorter than the fastest refresh of the bus; on a wire that
+  // has no time for it, as little as `least_margin`.
   double margin = 0.058, least_margin = 0.008;
   // Part of an allowed gap that is kept for unplanned delays (noise, retries), if possible.
   double unforeseen = 0.013;
