@@ -110,7 +110,7 @@ class Timetable {
   void sort_by_reserve(std::vector<Timetable>& ways) const;
   void improve_all(std::vector<Timetable>& ways) const;
   unsigned improve(unsigned passes);
-  void kick(std::uint32_t& random);
+  bool kick(std::uint32_t& random);
   void start_rounds();
   bool move_in_order(std::size_t index);
   bool move_in_table(std::size_t index);

@@ -175,7 +175,7 @@ namespace {
 // Limits the time of a search: members, times the reads of the table, times passes. A plan of 300
 // points takes about a second.
 constexpr std::size_t kMostEffort = 250'000'000;
-constexpr unsigned kPasses = 20;
+constexpr unsigned kPasses = 20, kMostPasses = 300;  // of a way, and in all
 // When nothing moves any more, only rounds in the longest three quarters, then half, still count.
 constexpr int kGoals = 2;
 // One of so many slower members is moved anywhere before the best plan is improved again.
@@ -193,8 +193,8 @@ std::uint32_t any(std::uint32_t& random, std::uint32_t count) {
 void Timetable::improve_all(std::vector<Timetable>& ways) const {
   std::size_t members = 0;
   for (const TimetableRequest& request : requests_) members += request.members.size();
-  const auto most_passes =
-      static_cast<unsigned>(kMostEffort / std::max<std::size_t>(1, members * cost_.size()));
+  const auto most_passes = static_cast<unsigned>(std::min<std::size_t>(
+      kMostPasses, kMostEffort / std::max<std::size_t>(1, members * cost_.size())));
   unsigned passes = 0;
   for (Timetable& way : ways) {
     passes += way.improve(std::min(kPasses, most_passes - passes));
@@ -204,25 +204,29 @@ void Timetable::improve_all(std::vector<Timetable>& ways) const {
   std::uint32_t random = 1;
   while (passes < most_passes && ways.front().spare_ < timing_.reserve) {
     Timetable other = ways.front();
-    other.kick(random);
+    if (!other.kick(random)) break;
     passes += other.improve(std::min(kPasses, most_passes - passes)) + 1;
     if (other.spare_ > ways.front().spare_) ways.front() = std::move(other);
   }
 }
 
-// Moves some slower members to any phase.
-void Timetable::kick(std::uint32_t& random) {
+// Moves some slower members to any phase. Returns false if there is none.
+bool Timetable::kick(std::uint32_t& random) {
+  bool any_slower = false;
   for (std::size_t index = 0; index < requests_.size(); ++index) {
     const TimetableRequest& request = requests_[index];
     for (std::size_t which = 0; which < request.members.size(); ++which) {
       const Slots period = std::min(request.members[which].period, slots_);
-      if (period == request.period || any(random, kKicked) != 0) continue;
+      if (period == request.period) continue;
+      any_slower = true;
+      if (any(random, kKicked) != 0) continue;
       const Slots choice = any(random, period / request.period);
       take_out(index, which);
       put(index, which, request.phase + request.period * choice);
     }
   }
   spare_ = spare_without_rests(order());
+  return any_slower;
 }
 
 // Moves requests and members, one by one, to the phase and the place in the slot with the least
@@ -259,10 +263,9 @@ unsigned Timetable::improve(unsigned passes) {
 }
 
 void Timetable::start_rounds() {
-  const auto frequents = std::count_if(
-      requests_.begin(), requests_.end(),
-      [&](const auto& request) { return !request.members.empty() && request.period == shortest_; });
-  windows_.emplace(static_cast<std::uint32_t>(frequents), slots_, slot_);
+  std::uint32_t frequents = 0;
+  for (std::size_t index = 0; index < requests_.size(); ++index) frequents += frequent(index);
+  windows_.emplace(frequents, slots_, slot_);
   for (std::size_t index = 0; index < requests_.size(); ++index) {
     for (Slots slot = 0; slot < slots_; ++slot)
       windows_->change(requests_[index].rank, slot, Duration::zero(), cost(index, slot));
@@ -322,13 +325,10 @@ bool Timetable::move_in_table(std::size_t index) {
   const bool moved = best_shift != 0 || best_rank != request.rank;
   request.rank = best_rank;
   request.phase = (request.phase + best_shift) % request.period;
-  due_[index].assign(due_[index].size(), 0);
-  for (std::size_t which = 0; which < request.members.size(); ++which) {
-    TimetableMember& member = request.members[which];
+  for (TimetableMember& member : request.members)
     member.phase = (member.phase + best_shift) % std::min(member.period, slots_);
-    for (Slots slot = member.phase; slot < slots_; slot += member.period)
-      mark(index, which, slot, true);
-  }
+  const auto words = static_cast<std::ptrdiff_t>(due_[index].size() / slots_);
+  std::ranges::rotate(due_[index], due_[index].end() - words * best_shift);
   for (Slots slot = 0; slot < slots_; ++slot)
     set_cost(index, (slot + best_shift) % slots_, costs[slot]);
   return moved;

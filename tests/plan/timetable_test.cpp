@@ -121,6 +121,18 @@ std::vector<TimetableRequest> busy(unsigned seed) {
   return requests;
 }
 
+// A search without an end would hang here: no move can make these rounds shorter.
+TEST(Timetable, ACrowdedTableWithLittleToMoveIsFilled) {
+  for (const std::vector<double>& fits : {std::vector<double>{1}, std::vector<double>{1, 2}}) {
+    Timetable table(kTiming);
+    TimetableRequest only = request(fits);
+    only.base_cost = 105ms;
+    table.fill({only}, 2);
+    EXPECT_LT(table.spare(), kTiming.reserve);
+    EXPECT_EQ(table.request(0).period, 1u);
+  }
+}
+
 TEST(Timetable, AReadThatEndsEarlyByTheSlackMakesNoGapTooLong) {
   bool early = false;
   for (unsigned seed = 1; seed <= 20; ++seed) {
