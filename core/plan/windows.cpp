@@ -43,12 +43,6 @@ void Windows::add_strains(std::uint32_t slot, Duration now, std::span<std::int64
   for (std::int64_t& sum : sums) sum += first;
 }
 
-std::int64_t Windows::strain() const {
-  std::int64_t sum = 0;
-  for (const std::int64_t length : lengths_) sum += over(length);
-  return sum;
-}
-
 Duration Windows::longest() const {
   return Duration{*std::ranges::max_element(lengths_) << shift_};
 }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/plan/layout/time_math.hpp"
 
 namespace fieldcast {
 
@@ -19,21 +18,20 @@ class Windows {
   Windows(std::uint32_t frequent, std::uint32_t slots, Duration slot);
 
   [[nodiscard]] std::uint32_t frequent() const { return frequent_; }
-  // Only rounds beyond this length count for strain(), the sum of their squares.
+  // The strain is the sum of the squares of what rounds exceed this length by.
   void set_goal(Duration length) { goal_ = units(length); }
   // The read of a request in `slot` lasts `now` instead of `before`. `rank`: the number of frequent
   // requests before it in the slot; it is part of rounds of these that begin in the slot, and of
   // rounds of the others that end there.
   void change(std::uint32_t rank, std::uint32_t slot, Duration before, Duration now);
-  // What change() would add to strain().
+  // What change() would add to the strain.
   [[nodiscard]] std::int64_t strain(std::uint32_t rank, std::uint32_t slot, Duration before,
                                     Duration now) const;
   // The same for every rank of a new read; adds to sums[0 .. frequent].
   void add_strains(std::uint32_t slot, Duration now, std::span<std::int64_t> sums) const;
-  [[nodiscard]] std::int64_t strain() const;
   [[nodiscard]] Duration longest() const;
   // Exchanges the frequent requests `rank` and `rank` + 1, whose reads last `first` and `second` by
-  // slot. Returns what this adds to strain().
+  // slot. Returns what this adds to the strain.
   std::int64_t exchange(std::uint32_t rank, std::span<const Duration> first,
                         std::span<const Duration> second);
 
