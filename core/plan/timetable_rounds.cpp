@@ -328,7 +328,7 @@ bool Timetable::move_in_table(std::size_t index) {
   for (TimetableMember& member : request.members)
     member.phase = (member.phase + best_shift) % std::min(member.period, slots_);
   const auto words = static_cast<std::ptrdiff_t>(due_[index].size() / slots_);
-  std::ranges::rotate(due_[index], due_[index].end() - words * best_shift);
+  std::rotate(due_[index].begin(), due_[index].end() - words * best_shift, due_[index].end());
   for (Slots slot = 0; slot < slots_; ++slot)
     set_cost(index, (slot + best_shift) % slots_, costs[slot]);
   return moved;
