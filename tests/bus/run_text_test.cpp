@@ -25,7 +25,8 @@ class SimulatedRun {
   }
 
   // Before the first run:
-  //   fault NAME delay 3ms | silent 1s..2s | refuses AREA:FROM..TO CODE | late 1s | loses
+  //   fault NAME delay 3ms | silent 1s..2s | refuses AREA:FROM..TO CODE | late 1s | loses |
+  //     garbles | truncates | doubles 5ms
   //   fault line echo
   // run 300ms     shows every action
   // count 10s     shows only how often each channel was good, and its longest gap
@@ -92,6 +93,12 @@ class SimulatedRun {
       faults.loss = 1;
     else if (words[2] == "late")
       faults.late_probability = 1, faults.late = duration_of(words[3]);
+    else if (words[2] == "garbles")
+      faults.garble = 1;
+    else if (words[2] == "truncates")
+      faults.truncate = 1;
+    else if (words[2] == "doubles")
+      faults.doubled = 1, faults.doubled_after = duration_of(words[3]);
     else if (words[2] == "silent") {
       const auto dots = words[3].find("..");
       faults.silence.push_back(
@@ -109,10 +116,11 @@ class SimulatedRun {
   std::string run(Duration length) {
     sim::VirtualBus& bus = this->bus();
     for (Seen& seen : seen_) seen = {0, 0, seen.last, {}};
-    sends_ = 0;
+    sends_ = notices_ = 0;
     bus.run_until(bus.now() + length);
     if (show_) return out_;
-    std::string text = out_ + "  " + std::to_string(sends_) + " requests\n";
+    std::string text = out_ + "  " + std::to_string(sends_) + " requests, " +
+                       std::to_string(notices_) + " notices\n";
     for (std::size_t channel = 0; channel < names_.size(); ++channel) {
       const Seen& seen = seen_[channel];
       text += "  " + names_[channel] + ": " + std::to_string(seen.good) + " good, " +
@@ -172,7 +180,8 @@ class SimulatedRun {
   }
   void seen(const Send& send) {
     ++sends_;
-    if (show_) line("> " + bus_->engine().request_text(send.bytes));
+    // The first request is sent before the constructor of the bus returns.
+    if (show_) line("> " + (bus_ ? bus_->engine().request_text(send.bytes) : to_hex(send.bytes)));
   }
   void seen(const Publish& publish) {
     for (const Sample& sample : publish.samples) {
@@ -204,7 +213,9 @@ class SimulatedRun {
     line(text + ", after " + ms_text(result.completed - result.received));
   }
   void seen(const Reopen& reopen) { line("reopens: " + reopen.reason); }
+  // The log counts repeated notices.
   void seen(const Notice& notice) {
+    if (!show_) return void(++notices_);
     line("notice " + (notice.device.empty() ? "of the bus" : notice.device) + ": " + notice.text);
   }
   void seen(const Traced& traced) { line("trace " + traced.device + ": " + traced.text); }
@@ -258,7 +269,7 @@ class SimulatedRun {
   std::vector<ChannelSpec> channels_;
   sim::BusFaults faults_;
   std::vector<Seen> seen_;
-  std::uint64_t sends_ = 0, commands_ = 0;
+  std::uint64_t sends_ = 0, notices_ = 0, commands_ = 0;
   std::map<std::uint64_t, std::string> ids_;
   bool show_ = true;
   std::string out_;
