@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -111,6 +112,7 @@ void Timetable::set_cost(std::size_t index, Slots slot, Duration cost) {
 
 double Timetable::strain(std::size_t index, Slots slot, Duration cost) const {
   const Duration now = this->cost(index, slot);
+  if (cost == now) return 0;
   if (windows_)
     return static_cast<double>(windows_->strain(requests_[index].rank, slot, now, cost));
   const double more = ns(cost - now);
@@ -119,18 +121,22 @@ double Timetable::strain(std::size_t index, Slots slot, Duration cost) const {
   return more + (level_slots_ * growth(total_[slot], more) + steady) / ns(slot_);
 }
 
-void Timetable::place(std::size_t index, std::size_t which) {
+// Chooses the phase of the least strain; among equals, `first` or the smallest one.
+void Timetable::place(std::size_t index, std::size_t which, Slots first) {
   const TimetableRequest& request = requests_[index];
-  TimetableMember& member = requests_[index].members[which];
-  double least = 0;
-  Slots best = request.phase;
-  for (Slots phase = request.phase; phase < std::min(member.period, slots_);
-       phase += request.period) {
+  const Slots period = request.members[which].period;
+  const auto sum_at = [&](Slots phase, double limit) {
     double sum = 0;
-    for (Slots slot = phase; slot < slots_ && (phase == request.phase || sum < least);
-         slot += member.period)
+    for (Slots slot = phase; slot < slots_ && sum < limit; slot += period)
       sum += strain(index, slot, read_cost(index, slot, which));
-    if (phase == request.phase || sum < least) least = sum, best = phase;
+    return sum;
+  };
+  Slots best = first;
+  double least = sum_at(first, std::numeric_limits<double>::infinity());
+  for (Slots phase = request.phase; phase < std::min(period, slots_) && least > 0;
+       phase += request.period) {
+    const double sum = phase == first ? least : sum_at(phase, least);
+    if (sum < least) least = sum, best = phase;
   }
   put(index, which, best);
 }
@@ -177,7 +183,7 @@ void Timetable::enter(std::size_t index) {
     set_cost(index, slot, read_cost(index, slot));
   std::ranges::stable_sort(order, {},
                            [&](std::size_t which) { return request.members[which].period; });
-  for (const std::size_t which : order) place(index, which);
+  for (const std::size_t which : order) place(index, which, request.phase);
 }
 
 void Timetable::leave(std::size_t index) {
@@ -231,7 +237,7 @@ void Timetable::settle(unsigned rounds) {
       for (std::size_t member = 0; member < requests_[index].members.size(); ++member) {
         if (requests_[index].members[member].period == requests_[index].period) continue;
         take_out(index, member);
-        place(index, member);
+        place(index, member, requests_[index].phase);
       }
     }
   }

@@ -140,7 +140,7 @@ class Timetable {
   [[nodiscard]] double strain(std::size_t index, Slots slot, Duration cost) const;
   void enter(std::size_t index);
   void leave(std::size_t index);
-  void place(std::size_t index, std::size_t member);
+  void place(std::size_t index, std::size_t member, Slots first);
   void put(std::size_t index, std::size_t member, Slots phase);
   void take_out(std::size_t index, std::size_t member);
 

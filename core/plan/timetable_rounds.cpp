@@ -1,6 +1,7 @@
 // The order of requests within a slot, the planned ends of their reads, and the search for rounds
 // of equal length (windows.hpp).
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -174,8 +175,8 @@ namespace {
 
 // Limits the time of a search: members, times the reads of the table, times passes. A plan of 300
 // points takes about a second.
-constexpr std::size_t kMostEffort = 250'000'000;
-constexpr unsigned kPasses = 20, kMostPasses = 300;  // of a way, and in all
+constexpr std::size_t kMostEffort = 500'000'000;
+constexpr unsigned kPasses = 20, kMostPasses = 600;  // of a way, and in all
 // When nothing moves any more, only rounds in the longest three quarters, then half, still count.
 constexpr int kGoals = 2;
 // One of so many slower members is moved anywhere before the best plan is improved again.
@@ -248,7 +249,7 @@ unsigned Timetable::improve(unsigned passes) {
         if (moving.period == requests_[index].period) continue;
         const Slots phase = moving.phase;
         take_out(index, member);
-        place(index, member);
+        place(index, member, phase);
         moved = moved || moving.phase != phase;
       }
     }
@@ -306,16 +307,21 @@ bool Timetable::move_in_table(std::size_t index) {
   Slots shifts = 1;
   for (const TimetableMember& member : request.members)
     shifts = std::max(shifts, std::min(member.period, slots_));
+  std::vector<Slots> reads;  // the most expensive first, as they decide soonest
+  for (Slots slot = 0; slot < slots_; ++slot) {
+    if (costs[slot] != Duration::zero()) reads.push_back(slot);
+  }
+  std::ranges::stable_sort(reads, std::greater{}, [&](Slots slot) { return costs[slot]; });
   leave(index);
   std::vector<std::int64_t> sums(windows_->frequent() + 1);
-  std::int64_t least = 0;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
   Slots best_shift = 0;
   std::uint32_t best_rank = request.rank;
   for (Slots shift = 0; shift < shifts; ++shift) {
     std::ranges::fill(sums, 0);
-    for (Slots slot = 0; slot < slots_; ++slot) {
-      if (costs[slot] != Duration::zero())
-        windows_->add_strains((slot + shift) % slots_, costs[slot], sums);
+    for (const Slots slot : reads) {
+      windows_->add_strains((slot + shift) % slots_, costs[slot], sums);
+      if (std::ranges::min(sums) >= least) break;  // sums only grow
     }
     if (shift == 0) least = sums[request.rank];
     for (std::uint32_t rank = 0; rank < sums.size(); ++rank) {

@@ -49,15 +49,21 @@ Duration Windows::longest() const {
 
 std::int64_t Windows::exchange(std::uint32_t rank, std::span<const Duration> first,
                                std::span<const Duration> second) {
-  std::int64_t sum = 0;
-  for (std::uint32_t slot = 0; slot < slots_; ++slot) sum -= over(row(slot)[rank]);
+  const auto strain = [&] {
+    std::int64_t sum = 0;
+    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
+      const std::int64_t more = over(row(slot)[rank]);
+      sum += more * more;
+    }
+    return sum;
+  };
+  const std::int64_t before = strain();
   for (std::uint32_t slot = 0; slot < slots_; ++slot) {
     const std::int64_t later = units(second[slot]) - units(first[slot]);
     row(slot)[rank] -= later;
     row(previous(slot))[rank] += later;
   }
-  for (std::uint32_t slot = 0; slot < slots_; ++slot) sum += over(row(slot)[rank]);
-  return sum;
+  return strain() - before;
 }
 
 }  // namespace fieldcast

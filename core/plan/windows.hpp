@@ -4,6 +4,7 @@
 // improved for rounds of equal length. Integers only, for the same plan on every machine.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,11 +50,12 @@ class Windows {
     return slot == 0 ? slots_ - 1 : slot - 1;
   }
   [[nodiscard]] std::int64_t over(std::int64_t length) const {
-    const std::int64_t more = length > goal_ ? length - goal_ : 0;
-    return more * more;
+    return std::max(length - goal_, std::int64_t{0});
   }
+  // Of the square of what exceeds the goal.
   [[nodiscard]] std::int64_t growth(std::int64_t length, std::int64_t more) const {
-    return over(length + more) - over(length);
+    const std::int64_t before = over(length), now = over(length + more);
+    return (now - before) * (now + before);
   }
 
   std::uint32_t frequent_, slots_;
