@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/model/channel_spec.hpp"
+#include "core/model/channel_list.hpp"
 #include "core/model/gateway_spec.hpp"
 #include "core/model/planner_choice.hpp"
 #include "core/model/port_spec.hpp"
@@ -34,7 +34,7 @@ struct DeviceSpec {
   bool allow_raw_write = false;
   // Device number for engineers; empty if the device is not programmed through the bridge.
   std::string number;
-  std::vector<ChannelSpec> channels;
+  ChannelList channels;
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
 

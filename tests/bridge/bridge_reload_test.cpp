@@ -98,12 +98,12 @@ TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
 
   BridgeSpec other = spec;
-  other.buses[1].devices[0].channels.pop_back();
+  other.buses[1].devices[0].channels.own().pop_back();
   const auto free = bridge.reload(other);  // not the bus that is programmed
   ASSERT_TRUE(free) << free.error();
   EXPECT_THAT(free->waits_for, testing::IsEmpty());
   BridgeSpec wanted = other;
-  wanted.buses[0].devices[0].channels.pop_back();
+  wanted.buses[0].devices[0].channels.own().pop_back();
   const auto waiting = bridge.reload(wanted);
   ASSERT_TRUE(waiting) << waiting.error();
   EXPECT_THAT(waiting->waits_for,

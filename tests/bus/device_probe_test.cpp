@@ -89,7 +89,7 @@ TEST(DeviceProbe, IsBounded) {
   BusSpec bus = test::rtu_bus(100);
   DeviceProbe probe(bus.devices, kLimit, 4);
   EXPECT_EQ(run(probe, Cause::kNone).size(), DeviceProbe::kMostDevices);
-  bus.devices.front().channels.resize(500, bus.devices.front().channels.front());
+  bus.devices.front().channels.own().resize(500, bus.devices.front().channels.front());
   DeviceProbe long_device({bus.devices.front()}, kLimit);
   EXPECT_EQ(run(long_device, Cause::kNone).size(), DeviceProbe::kMostChannels);
   EXPECT_FALSE(DeviceProbe({}, kLimit).next());

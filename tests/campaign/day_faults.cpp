@@ -56,8 +56,8 @@ BusSpec variant_of(const BusSpec& whole, std::mt19937_64& random) {
   if (random() % 5 == 0) spec.planner = Planner::kDynamicBlocks;
   for (DeviceSpec& device : spec.devices) {
     while (device.channels.size() > 6)
-      device.channels.erase(device.channels.begin() +
-                            static_cast<std::ptrdiff_t>(random() % device.channels.size()));
+      device.channels.own().erase(device.channels.begin() +
+                                  static_cast<std::ptrdiff_t>(random() % device.channels.size()));
     for (std::size_t c = 0; c < device.channels.size(); ++c) {
       ChannelSpec& channel = device.channels[c];
       channel.refresh = base * static_cast<int>(1 + c % 3);

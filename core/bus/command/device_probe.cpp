@@ -23,7 +23,7 @@ DeviceProbe::DeviceProbe(std::vector<DeviceSpec> devices, Instant expires, std::
     : expires_(expires), questions_(questions) {
   devices.resize(std::min(devices.size(), kMostDevices));
   for (DeviceSpec& device : devices) {
-    device.channels.resize(std::min(device.channels.size(), kMostChannels));
+    if (device.channels.size() > kMostChannels) device.channels.resize(kMostChannels);
     if (!device.channels.empty())
       specs_.push_back(std::make_shared<const DeviceSpec>(std::move(device)));
   }

@@ -454,7 +454,7 @@ TEST(StatusConversion, ADeviceIsDescribedWithTheDigitsThatAreKnown) {
   EXPECT_FALSE(from_idl(topic).digits.contains("force"));
 
   device.link.long_address = "01234567";
-  device.channels.assign(kMaxDescribedChannels + 1, device.channels[0]);
+  device.channels.own().assign(kMaxDescribedChannels + 1, device.channels[0]);
   to_idl("line-7", bus, device, topic);
   EXPECT_EQ(from_idl(topic).address, "01234567");
   EXPECT_EQ(topic.digits().size(), kMaxDescribedChannels);

@@ -21,7 +21,7 @@ std::string known_protocols() {
 // Without calculated channels, which no device has.
 BusSpec on_the_wire(BusSpec spec) {
   for (DeviceSpec& device : spec.devices)
-    std::erase_if(device.channels, [](const ChannelSpec& channel) {
+    std::erase_if(device.channels.own(), [](const ChannelSpec& channel) {
       return static_cast<bool>(channel.calculation);
     });
   return spec;
