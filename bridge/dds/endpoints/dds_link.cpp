@@ -22,10 +22,12 @@ bool stays_on_this_machine(const DdsSpec& spec) {
                      [](const std::string& address) { return address.starts_with("127."); });
 }
 
-LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
+LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& served,
                      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
                      SnapshotSender& snapshots)
-    : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
+    : spec(served),
+      catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch,
+                [&snapshots, name = spec.name] { snapshots.matched(name, true); }),
       blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, snapshots),
       samples(domain, bridge, spec, stream.most_bytes, blocks, snapshots) {
   ChannelIndex index = 0;
@@ -70,8 +72,9 @@ SnapshotSender::Sent DdsLink::State::send_snapshot(const std::string& name,
     bus->catalogue.flush();
     blocks = bus->blocks.write_snapshot();
   }
+  const bool is_listed = bus->catalogue.wake(kSamplesOfBlock);
   const SampleWriters::Woken woken = bus->samples.wake(kSamplesOfBlock);
-  return {blocks + (woken.written == 0 ? 0 : 1), woken.all};
+  return {blocks + (woken.written == 0 && is_listed ? 0 : 1), woken.all && is_listed};
 }
 
 // The first steps of a request, on a DDS thread: receive, authenticate, convert. Requests for other

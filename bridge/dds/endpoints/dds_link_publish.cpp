@@ -126,7 +126,7 @@ void DdsLink::report(std::string_view name, const AlarmChange& change, const Utc
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr) return;
-  const idl::Channel& channel = bus->catalogue.channels().at(change.channel);
+  const idl::Channel channel = bus->catalogue.message(change.channel);
   idl::Alarm& alarm = bus->alarms[{change.channel, change.limit}];
   alarm.bus() = channel.bus();
   alarm.device() = channel.device();

@@ -31,6 +31,7 @@ struct LinkedBus {
             dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
             SnapshotSender& snapshots);
 
+  const BusSpec spec;  // first: the catalogue refers to it
   BusCatalogue catalogue;
   BlockWriter blocks;  // keeps the last values for blocks and single samples
   SampleWriters samples;
