@@ -1,7 +1,8 @@
 // A station in its own process: subscribes to every sample and prints totals every 20 ms.
 //
-// usage: bench_station DOMAIN one-by-one|by-blocks [SHARE OF DATAGRAMS LOST]
+// usage: bench_station DOMAIN one-by-one|best-effort|by-blocks [SHARE OF DATAGRAMS LOST]
 //
+// one-by-one: by fieldcast/Sample. best-effort: too, with a reader of this reliability.
 // Each line: samples received, samples missing by sequence, channels with a value, channels of the
 // catalogue, blocks missing.
 #include <fmt/format.h>
@@ -10,10 +11,18 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_map>
 
+#include "bridge/dds/library/fastdds.hpp"
+#include "bridge/dds/topics/received_sample.hpp"
+#include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/station.hpp"
 #include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/lossy_receive.hpp"
@@ -46,14 +55,43 @@ class Count {
   std::unordered_map<std::string, std::uint64_t> last_;
 };
 
-void run(unsigned domain, bool one_by_one) {
+// A reader of its own: Station has only reliable ones.
+class BestEffortReader : private dds::DataReaderListener {
+ public:
+  BestEffortReader(const DdsSpec& dds, Count& count)
+      : count_(count), domain_(dds, "bench_station best-effort", nullptr) {
+    dds::DataReaderQos qos = sample_reader_qos(std::nullopt);
+    qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
+    (void)domain_.reader<idl::SamplePubSubType, ReceivedSampleType>(
+        kSampleTopic, qos, this, dds::StatusMask::data_available());
+  }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&received_, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data && received_.is_known) count_.add(received_.sample);
+    }
+  }
+  Count& count_;
+  ReceivedSample received_;
+  Domain domain_;  // last: its threads use the members above
+};
+
+void run(unsigned domain, const std::string& way) {
   Count count;
   DdsSpec dds;
   dds.domain = domain;
   Station station(dds, "bench_station");
   station.subscribe_channels([&](const StationChannel&) { ++count.listed; });
-  station.subscribe_samples([&](const StationSample& sample) { count.add(sample); }, {},
-                            {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
+  std::optional<BestEffortReader> reader;
+  if (way == "best-effort") {
+    reader.emplace(dds, count);
+  } else {
+    station.subscribe_samples(
+        [&](const StationSample& sample) { count.add(sample); }, {},
+        {.deadline = {}, .on_deadline_missed = {}, .one_by_one = way == "one-by-one"});
+  }
   while (!stopped) {
     fmt::print("{} {} {} {} {}\n", count.samples.load(), count.missing.load(),
                count.channels.load(), count.listed.load(), station.block_counters().missing);
@@ -72,6 +110,6 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { stopped = true; });
   return run_bench("bench_station", [&] {
     lose(arguments.number_at(2, 0.0));
-    run(arguments.number_at(0, 0u), arguments.text_at(1) == "one-by-one");
+    run(arguments.number_at(0, 0u), arguments.text_at(1));
   });
 }

@@ -5,7 +5,7 @@
 // usage: join_bench [--buses N] [--channels N] [--joins N] [--way NAME]
 //                   [--patience SECONDS]
 // Default of --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks, samples,
-// cyclone-blocks, cyclone-samples.
+// best-effort (samples too), cyclone-blocks, cyclone-samples.
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
@@ -31,12 +31,13 @@ struct Options {
 struct Way {
   const char* name;
   const char* program;
-  bool one_by_one;
+  const char* argument;
 };
-constexpr Way kWays[] = {{"blocks", "bench_station", false},
-                         {"samples", "bench_station", true},
-                         {"cyclone-blocks", "cyclone-join", false},
-                         {"cyclone-samples", "cyclone-join", true}};
+constexpr Way kWays[] = {{"blocks", "bench_station", "by-blocks"},
+                         {"samples", "bench_station", "one-by-one"},
+                         {"best-effort", "bench_station", "best-effort"},
+                         {"cyclone-blocks", "cyclone-join", "by-blocks"},
+                         {"cyclone-samples", "cyclone-join", "one-by-one"}};
 
 class Course {
  public:
@@ -62,7 +63,7 @@ void join(const Options& options, const ScratchFolder& folder, unsigned domain, 
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);
   const auto begun = Clock::now();
   const double cpu = bridge.cpu_seconds();
-  const StationProcess station(folder, domain, name, way.one_by_one, 0, way.program);
+  const StationProcess station(folder, domain, name, way.argument, 0, way.program);
   double listed = 0, complete = 0;
   Received received;
   while (seconds_since(begun) < options.patience) {

@@ -151,7 +151,7 @@ Compared measure_plant(const Options& options, int count) {
   const auto add = [&] {
     stations.push_back(std::make_unique<StationProcess>(
         plant.folder(), plant.domain(), "station-" + std::to_string(stations.size()),
-        options.one_by_one, options.loss));
+        options.one_by_one ? "one-by-one" : "by-blocks", options.loss));
     running.push_back(stations.back().get());
   };
   add();

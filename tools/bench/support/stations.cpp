@@ -55,13 +55,10 @@ void Scraper::run() {
 }
 
 StationProcess::StationProcess(const ScratchFolder& folder, unsigned domain,
-                               const std::string& name, bool one_by_one, double loss,
+                               const std::string& name, const std::string& way, double loss,
                                const std::string& program)
     : log_(folder.path() + '/' + name + ".log"),
-      process_(
-          program,
-          {std::to_string(domain), one_by_one ? "one-by-one" : "by-blocks", std::to_string(loss)},
-          log_) {}
+      process_(program, {std::to_string(domain), way, std::to_string(loss)}, log_) {}
 
 Received StationProcess::received() const {
   std::ifstream file(log_);

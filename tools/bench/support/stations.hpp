@@ -39,10 +39,10 @@ struct Received {
 // Stations in separate processes with their counters. Main thread.
 class StationProcess {
  public:
-  // `one_by_one`: fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
-  // `program`: prints like bench_station.
+  // `way`: see bench_station. `loss`: share of dropped datagrams. `program`: prints like it.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
-                 bool one_by_one, double loss = 0, const std::string& program = "bench_station");
+                 const std::string& way, double loss = 0,
+                 const std::string& program = "bench_station");
   [[nodiscard]] Received received() const;  // at most 20 ms old while it runs
   [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
   [[nodiscard]] pid_t id() const { return process_.id(); }
