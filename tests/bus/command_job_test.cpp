@@ -241,6 +241,25 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   EXPECT_EQ(job->acquired().size(), 4u);
 }
 
+TEST_F(CommandJobTest, NoReadIsLongerThanTheBlockOfTheDevice) {
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.device = "press";
+  command.target = ChannelTarget{};
+  device_.max_block = 2;
+  auto job = make(command);
+  ASSERT_TRUE(job);
+  std::vector<Range> ranges;
+  for (const std::size_t items : {1u, 4u, 2u}) {
+    const auto request = job->next();
+    ASSERT_TRUE(request);
+    ranges.push_back(std::get<ReadRequest>(*request).ranges.front());
+    job->responded(CommandJobTest::items(Bytes(items)));
+  }
+  EXPECT_FALSE(job->next());
+  EXPECT_EQ(ranges, (std::vector<Range>{{0, 7, 1}, {2, 100, 2}, {2, 102, 1}}));
+}
+
 // An S7-200 that allows commands to raw addresses.
 class RawCommandTest : public CommandJobTest {
  protected:

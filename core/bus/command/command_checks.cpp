@@ -53,8 +53,9 @@ tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const 
   return {};
 }
 
-// Joins ranges that touch or overlap, up to the size of one read. Never bridges a gap.
-std::vector<Range> joined(std::vector<Range> ranges, const Protocol& protocol) {
+// Joins ranges that touch or overlap, up to the size of one read and to `most` items (0: no limit).
+// Never bridges a gap.
+std::vector<Range> joined(std::vector<Range> ranges, const Protocol& protocol, std::uint32_t most) {
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
     return std::pair(a.area, a.first) < std::pair(b.area, b.first);
   });
@@ -63,7 +64,8 @@ std::vector<Range> joined(std::vector<Range> ranges, const Protocol& protocol) {
     if (!result.empty() && result.back().area == range.area && range.first <= result.back().end()) {
       Range wider = result.back();
       wider.count = std::max(wider.end(), range.end()) - wider.first;
-      if (protocol.size(ReadRequest{{wider}})) {
+      const bool allowed = most == 0 || wider.count <= std::max(most, result.back().count);
+      if (allowed && protocol.size(ReadRequest{{wider}})) {
         result.back() = wider;
         continue;
       }
@@ -90,8 +92,9 @@ tl::expected<CommandJob, CommandFault> CommandJob::make(const Command& command,
   const ChannelSpec* channel = nullptr;
   if (job.subjects_.size() == 1 && job.subjects_[0].channel)
     channel = &device.channels[*job.subjects_[0].channel - first_channel];
-  const auto prepared =
-      command.operation == Operation::kWrite ? job.prepare_write(channel) : job.prepare_acquire();
+  const auto prepared = command.operation == Operation::kWrite
+                            ? job.prepare_write(channel)
+                            : job.prepare_acquire(device.max_block);
   if (!prepared) return tl::make_unexpected(prepared.error());
   return job;
 }
@@ -271,10 +274,10 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
   return {};
 }
 
-tl::expected<void, CommandFault> CommandJob::prepare_acquire() {
+tl::expected<void, CommandFault> CommandJob::prepare_acquire(std::uint32_t max_block) {
   std::vector<Range> ranges;
   for (const CommandSubject& subject : subjects_) ranges.push_back(subject.range);
-  reads_ = joined(std::move(ranges), *protocol_);
+  reads_ = joined(std::move(ranges), *protocol_, max_block);
   phase_ = Phase::kAcquire;
   return {};
 }

@@ -89,7 +89,7 @@ class CommandJob {
                                    Cause cause) const;
 
   [[nodiscard]] tl::expected<void, CommandFault> prepare_write(const ChannelSpec* channel);
-  [[nodiscard]] tl::expected<void, CommandFault> prepare_acquire();
+  [[nodiscard]] tl::expected<void, CommandFault> prepare_acquire(std::uint32_t max_block);
   [[nodiscard]] tl::expected<void, CommandFault> find_channels(const DeviceSpec& device,
                                                                const std::string& name,
                                                                ChannelIndex first_channel);
