@@ -138,16 +138,17 @@ class SimulatedRun {
     made.device = words[3].substr(0, slash);
     const std::string name = slash == std::string::npos ? "" : words[3].substr(slash + 1);
     Encoding encoding;
-    if (name.find(':') != std::string::npos)
-      made.target = AddressTarget{name, encoding};
-    else
-      made.target = ChannelTarget{name};
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (names_[i] == words[3]) encoding = channels_[i].encoding;
     }
     for (std::size_t i = 4; i < words.size(); ++i) {
-      if (words[i] == "=")
-        made.values.push_back(parse_value(encoding, words[++i]).value());
+      if (words[i] == "=") {
+        ++i;
+        made.values.push_back(parse_value(encoding, words[i]).value_or(Value{words[i]}));
+      } else if (words[i] == "as")
+        encoding.type = *value_type_from(words[++i]);
+      else if (words[i] == "mask")
+        made.mask = static_cast<std::uint16_t>(std::stoul(words[++i], nullptr, 16));
       else if (words[i] == "verify")
         made.verify = true;
       else if (words[i] == "by")
@@ -161,6 +162,10 @@ class SimulatedRun {
       else if (words[i] == "expires")
         made.expires = bus().now() + duration_of(words[++i]);
     }
+    if (name.find(':') != std::string::npos)
+      made.target = AddressTarget{name, encoding};
+    else
+      made.target = ChannelTarget{name};
     return made;
   }
   void interest(const std::vector<std::string>& words) {
@@ -207,7 +212,10 @@ class SimulatedRun {
     const CommandResult& result = complete.result;
     std::string text =
         "result " + ids_[result.request_id] + ' ' + std::string(to_text(result.state));
-    for (const Value& value : result.values) text += ' ' + to_text(value);
+    const std::size_t shown = result.values.size() > 20 ? 3 : result.values.size();
+    for (std::size_t i = 0; i < shown; ++i) text += ' ' + to_text(result.values[i]);
+    if (shown < result.values.size())
+      text += " .. (" + std::to_string(result.values.size()) + " values)";
     if (result.device_code != 0) text += " code " + std::to_string(result.device_code);
     if (!result.reason.empty()) text += ": " + result.reason;
     line(text + ", after " + ms_text(result.completed - result.received));
