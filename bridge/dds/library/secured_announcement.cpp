@@ -145,10 +145,6 @@ Announcers& announcers() {
   return all;
 }
 
-const rtps::GuidPrefix_t& prefix_of(PDPSimple& discovery) {
-  return discovery.getLocalParticipantProxyData()->m_guid.guidPrefix;
-}
-
 void Announcer::create(PDPSimple& discovery) {
   rtps::HistoryAttributes keep;
   keep.memoryPolicy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
@@ -159,8 +155,11 @@ void Announcer::create(PDPSimple& discovery) {
   attributes.endpoint.durabilityKind = rtps::TRANSIENT_LOCAL;
   attributes.endpoint.topicKind = rtps::WITH_KEY;
   attributes.endpoint.security_attributes() = protection;
-  for (const auto& locator : discovery.getLocalParticipantProxyData()->metatraffic_locators.unicast)
-    attributes.endpoint.unicastLocatorList.push_back(locator);
+  {
+    const std::scoped_lock lock(*discovery.getMutex());
+    const auto& own = discovery.getLocalParticipantProxyData()->metatraffic_locators.unicast;
+    for (const auto& locator : own) attributes.endpoint.unicastLocatorList.push_back(locator);
+  }
   if (!discovery.getRTPSParticipant()->createWriter(&writer, attributes, history.get(), nullptr,
                                                     kSecuredWriter, true))
     writer = nullptr;
@@ -244,7 +243,9 @@ bool RTPSParticipantImpl::pairing_remote_reader_with_local_writer_after_security
 
 [[gnu::visibility("default")]] void PDPSimple::announceParticipantState(bool changed, bool dispose,
                                                                         WriteParams& parameters) {
-  const auto& prefix = fieldcast::prefix_of(*this);
+  // Not from getLocalParticipantProxyData(): that reads a list which a thread that discovers a
+  // participant may extend at the same time.
+  const auto& prefix = mp_PDPWriter->getGuid().guidPrefix;
   if (fieldcast::Announcer* announcer = announcers().find(prefix)) {
     if (dispose) {
       announcer->end(*this);
@@ -261,12 +262,12 @@ bool RTPSParticipantImpl::pairing_remote_reader_with_local_writer_after_security
 [[gnu::visibility("default")]] void PDPSimple::notifyAboveRemoteEndpoints(
     const ParticipantProxyData& remote) {
   library().match(this, remote);
-  if (fieldcast::Announcer* announcer = announcers().find(fieldcast::prefix_of(*this)))
+  if (fieldcast::Announcer* announcer = announcers().find(mp_PDPWriter->getGuid().guidPrefix))
     announcer->match(remote);
 }
 
 [[gnu::visibility("default")]] void PDPSimple::removeRemoteEndpoints(ParticipantProxyData* remote) {
-  if (fieldcast::Announcer* announcer = announcers().find(fieldcast::prefix_of(*this)))
+  if (fieldcast::Announcer* announcer = announcers().find(mp_PDPWriter->getGuid().guidPrefix))
     announcer->remove(remote->m_guid);
   library().remove(this, remote);
 }
