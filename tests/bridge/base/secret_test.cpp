@@ -88,6 +88,7 @@ TEST_F(SecretFile, WhatIsNotASecretIsRefusedInOneLineThatHoldsNothingOfIt) {
   EXPECT_THAT(large, Not(HasSubstr("xx")));
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // Returns the wait status of a process that calls `prepare` and then segfaults.
 int killed_by_a_fault(void (*prepare)()) {
   const pid_t child = ::fork();
@@ -105,7 +106,6 @@ int killed_by_a_fault(void (*prepare)()) {
   return status;
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(GuardedProcess, LeavesNoCoreAndItsMemoryIsForNoOtherProcess) {
   const int status = killed_by_a_fault([] {
     guard_memory();
