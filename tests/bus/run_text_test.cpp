@@ -25,6 +25,7 @@ class SimulatedRun {
   }
 
   // Before the first run:
+  //   bytes       also shows what is sent and received
   //   fault NAME delay 3ms | silent 1s..2s | refuses AREA:FROM..TO CODE | late 1s | loses |
   //     garbles | truncates | doubles 5ms
   //   fault line echo
@@ -39,6 +40,10 @@ class SimulatedRun {
     out_.clear();
     show_ = event != "count";
     if (event == "fault") return fault(words);
+    if (event == "bytes") {
+      bytes_ = true;
+      return {};
+    }
     if (event == "run" || event == "count") return run(duration_of(words[1]));
     if (event == "report") return report();
     if (event == "command")
@@ -78,6 +83,9 @@ class SimulatedRun {
       seen_.resize(names_.size());
       bus_ = std::make_unique<sim::VirtualBus>(loaded_.bus, faults_, 1,
                                                [this](const Action& action) { see(action); });
+      bus_->on_received = [this](ByteView bytes) {
+        if (show_ && bytes_) out_ += "      << " + to_hex(bytes) + '\n';
+      };
     }
     return *bus_;
   }
@@ -186,7 +194,9 @@ class SimulatedRun {
   void seen(const Send& send) {
     ++sends_;
     // The first request is sent before the constructor of the bus returns.
-    if (show_) line("> " + (bus_ ? bus_->engine().request_text(send.bytes) : to_hex(send.bytes)));
+    if (!show_) return;
+    if (bus_) line("> " + bus_->engine().request_text(send.bytes));
+    if (bytes_ || !bus_) out_ += "      >> " + to_hex(send.bytes) + '\n';
   }
   void seen(const Publish& publish) {
     for (const Sample& sample : publish.samples) {
@@ -279,7 +289,7 @@ class SimulatedRun {
   std::vector<Seen> seen_;
   std::uint64_t sends_ = 0, notices_ = 0, commands_ = 0;
   std::map<std::uint64_t, std::string> ids_;
-  bool show_ = true;
+  bool show_ = true, bytes_ = false;
   std::string out_;
   std::unique_ptr<sim::VirtualBus> bus_;
 };
