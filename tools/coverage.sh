@@ -19,9 +19,9 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-tests=(core_test lzw_test program_test telnet_test plan_test dispatch_test schedule_test bus_test bus_run_test transcript_test simulation_test late_test
-       freeport_noise_test shared_wire_test protocol_test declared_test config_test standby_test bridge_test whole_bridge_test cli_test
-       group_day_test dds_conversion_test dds_link_test dds_settings_test dds_loss_test dds_security_test)
+tests=(core_test lzw_test program_test telnet_test plan_test dispatch_test schedule_test bus_test bus_run_test transcript_test
+       simulation_test late_test freeport_noise_test shared_wire_test protocol_test declared_test config_test standby_test bridge_test
+       whole_bridge_test cli_test group_day_test dds_conversion_test dds_link_test dds_settings_test dds_loss_test dds_security_test)
 # The late-response filter, the arbiter of a bus, the election of a standby group, the guard against hostile datagrams.
 decisions=(core/bus/wire/late_response_filter.cpp core/bus/exchange_flow.cpp bridge/standby/election.cpp bridge/dds/guard/{datagram_guard,parameter_list,rtps_message,rtps_validator}.cpp)
 

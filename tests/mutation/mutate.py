@@ -24,8 +24,8 @@ from points import Finder
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.realpath(os.path.join(HERE, "..", ".."))
-TESTS = ["core_test", "lzw_test", "program_test", "telnet_test", "dispatch_test", "plan_test", "schedule_test", "bus_test", "bus_run_test", "protocol_test",
-         "declared_test", "transcript_test", "config_test", "late_test"]
+TESTS = ["core_test", "lzw_test", "program_test", "telnet_test", "dispatch_test", "plan_test", "schedule_test", "bus_test", "bus_run_test",
+         "protocol_test", "declared_test", "transcript_test", "config_test", "late_test"]
 Run = collections.namedtuple("Run", "program filter seconds")
 
 
