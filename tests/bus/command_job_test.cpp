@@ -386,6 +386,16 @@ TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
 }
 
+TEST_F(RawCommandTest, BytesOfAnItemAreReadOneAtATime) {
+  Encoding high{ValueType::kUint8};
+  high.bit = 8;
+  use("modbus-rtu");
+  EXPECT_TRUE(make(raw_read("holding:5", high, 1)));
+  for (const std::uint32_t count : {2u, 3u})
+    EXPECT_EQ(why_not(raw_read("holding:5", high, count)),
+              "bytes of an item are read and written one at a time");
+}
+
 TEST_F(RawCommandTest, BitsOfAMaskAreOneRequestAndReadBackAlone) {
   use("modbus-rtu");
   Command command = raw("holding:5", {ValueType::kUint16}, {std::uint64_t{0x25}});

@@ -22,6 +22,7 @@ class DispatchedBus {
  public:
   explicit DispatchedBus(const std::string& head) : loaded_(head) {}
 
+  // planner fastest-member | planner one-per-channel: those for comparison
   // run 300ms      shows each read: when it begins, in ms since the start, its device and points
   // count 10s      shows only how often each point was read, and its longest gap
   // silent plc | responds plc | refuses plc/a | accepts plc/a
@@ -32,6 +33,11 @@ class DispatchedBus {
     const std::string& event = words[0];
     if (event == "responses") {
       loaded_.set_response_time(duration_of(words[2]));
+      return {};
+    }
+    if (event == "planner") {
+      loaded_.bus.planner =
+          words[1] == "fastest-member" ? Planner::kFastestMember : Planner::kOnePerChannel;
       return {};
     }
     if (event == "in-flight") {
