@@ -38,8 +38,10 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
       std::filesystem::path(testing::TempDir()) / ("alarms-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   spec.store = StoreSpec{folder / "plant.db"};
-  auto& channel = spec.buses[0].devices[0].channels[2];  // its value is 2
-  channel.limits.high = 1;
+  const auto high = [&]() -> std::optional<double>& {
+    return spec.buses[0].devices[0].channels[2].limits.high;  // of a channel with the value 2
+  };
+  high() = 1;
   UtcTime since;
   {
     Bridge bridge;
@@ -65,16 +67,16 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
   }
   EXPECT_EQ(stored_alarms(spec.store->address).size(), 1u);
   alarms.forget();
-  channel.limits.high = 5;  // while the bridge is down; acts as if the value had fallen
+  high() = 5;  // while the bridge is down; acts as if the value had fallen
   {
     Bridge bridge;
     ASSERT_TRUE(bridge.start(spec));
     ASSERT_TRUE(told(AlarmState::kClear));
-    channel.limits.high = 1;
+    high() = 1;
     alarms.forget();
     ASSERT_TRUE(bridge.reload(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
-    channel.limits.high.reset();
+    high().reset();
     alarms.forget();
     ASSERT_TRUE(bridge.reload(spec));
     EXPECT_TRUE(told(AlarmState::kClear));

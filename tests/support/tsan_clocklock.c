@@ -1,7 +1,7 @@
-// Replaces pthread_mutex_clocklock() of the C library in programs with the thread sanitizer, because
-// the sanitizer of GCC 12 does not intercept it. Fast DDS locks with a timeout by this function: the
-// sanitizer would report unlocks of unlocked mutexes and wrong lock orders, and would not know what
-// these mutexes protect. pthread_mutex_timedlock() is intercepted.
+// Replaces pthread_mutex_clocklock() of the C library in programs with the thread sanitizer,
+// because the sanitizer of GCC 12 does not intercept it. Fast DDS locks with a timeout by this
+// function: the sanitizer would report unlocks of unlocked mutexes and wrong lock orders, and would
+// not know what these mutexes protect. pthread_mutex_timedlock() is intercepted.
 #include <pthread.h>
 #include <time.h>
 

@@ -58,13 +58,12 @@ class BridgeAnnouncement : private dds::DataReaderListener {
   dds::DataReader* reader_;
 };
 
-// Publishes the catalogue of one bus: all channels in blocks, whose writer outlives this object, and
-// each channel on the keyed topic, from its first reader on: an instance takes 850 bytes in the
-// library. One caller at a time, except flush() and wake(). Each writer of
-// fieldcast/Channel has at most kChannelsPerCatalogueWriter channels: for a new reader, Fast DDS
-// 2.9.1 copies, for each message in a history, the list of all earlier messages
-// (ReaderProxy::add_change), without discovery meanwhile. With 64 000 channels in one writer, no
-// new reader was served within 30 s.
+// Publishes the catalogue of one bus: all channels in blocks, whose writer outlives this object,
+// and each channel on the keyed topic, from its first reader on: an instance takes 850 bytes in the
+// library. One caller at a time, except flush() and wake(). Each writer of fieldcast/Channel has at
+// most kChannelsPerCatalogueWriter channels: for a new reader, Fast DDS 2.9.1 copies, for each
+// message in a history, the list of all earlier messages (ReaderProxy::add_change), without
+// discovery meanwhile. With 64 000 channels in one writer, no new reader was served within 30 s.
 class BusCatalogue : private dds::DataWriterListener {
  public:
   // `matched` is called on a DDS thread for each reader of fieldcast/Channel; wake() must follow.
@@ -74,8 +73,8 @@ class BusCatalogue : private dds::DataWriterListener {
   BusCatalogue(const BusCatalogue&) = delete;
   BusCatalogue& operator=(const BusCatalogue&) = delete;
 
-  // Adds a channel; call it before publish(), in the order of the channel indices. Both outlive this
-  // object, since a message of each channel would need 800 bytes. Throws DdsError.
+  // Adds a channel; call it before publish(), in the order of the channel indices. Both outlive
+  // this object, since a message of each channel would need 800 bytes. Throws DdsError.
   void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
   [[nodiscard]] bool publish();  // publishes all entries; returns false if they do not fit
   // Adopts the epoch of another bridge's identical catalogue. Call it before publish().
