@@ -297,10 +297,7 @@ class SimulatedRun {
 class WrittenRun : public testing::TestWithParam<std::string> {};
 
 TEST_P(WrittenRun, IsAsWritten) {
-  std::optional<SimulatedRun> run;
-  expect_golden(
-      FIELDCAST_RUNS "/" + GetParam() + ".txt", [&](const std::string& head) { run.emplace(head); },
-      [&](const std::string& line) { return run->respond(line); });
+  expect_bus_responses<SimulatedRun>(FIELDCAST_RUNS "/" + GetParam() + ".txt");
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrittenRun, testing::ValuesIn(golden_names(FIELDCAST_RUNS)),

@@ -206,11 +206,7 @@ class DispatchedBus {
 class WrittenDecisions : public testing::TestWithParam<std::string> {};
 
 TEST_P(WrittenDecisions, IsAsWritten) {
-  std::optional<DispatchedBus> bus;
-  expect_golden(
-      FIELDCAST_DECISIONS "/" + GetParam() + ".txt",
-      [&](const std::string& head) { bus.emplace(head); },
-      [&](const std::string& line) { return bus->respond(line); });
+  expect_bus_responses<DispatchedBus>(FIELDCAST_DECISIONS "/" + GetParam() + ".txt");
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrittenDecisions,

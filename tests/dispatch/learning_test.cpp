@@ -12,7 +12,7 @@ constexpr int kWindow = 256;  // acquisitions
 
 class OverrunWatchTest : public testing::Test {
  protected:
-  // A window of acquisitions, 10 ms apart, of which the first `late` are late.
+  // A window of acquisitions, 10 ms apart. The first `late` of them are late.
   void window(int late, Duration rest = {}) {
     if (rest > Duration::zero()) {
       watch_.acquired(late > 0, now_);

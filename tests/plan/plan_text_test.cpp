@@ -149,11 +149,7 @@ class PlannedBus {
 class WrittenPlan : public testing::TestWithParam<std::string> {};
 
 TEST_P(WrittenPlan, IsAsWritten) {
-  std::optional<PlannedBus> bus;
-  expect_golden(
-      FIELDCAST_PLANS "/" + GetParam() + ".txt",
-      [&](const std::string& head) { bus.emplace(head); },
-      [&](const std::string& line) { return bus->respond(line); });
+  expect_bus_responses<PlannedBus>(FIELDCAST_PLANS "/" + GetParam() + ".txt");
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrittenPlan, testing::ValuesIn(golden_names(FIELDCAST_PLANS)),

@@ -1,11 +1,12 @@
 // Explanations of frames: explained/PROTOCOL.txt has each frame and, indented, what is shown of it.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <algorithm>
+#include <string>
+#include <string_view>
 
 #include "core/protocol/families/registry.hpp"
+#include "tests/support/golden.hpp"
 
 namespace fieldcast::test {
 namespace {
@@ -31,19 +32,11 @@ class Explained : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(Explained, FramesAreShownAsWritten) {
   const std::string name = std::string(FIELDCAST_EXPLAINED "/") + std::string(GetParam()) + ".txt";
-  std::ifstream file(name);
-  ASSERT_TRUE(file) << name;
-  std::ostringstream whole;
-  whole << file.rdbuf();
-  std::istringstream lines(whole.str());
-  std::string replayed;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(' ')) continue;
-    replayed += line + '\n';
-    if (!line.starts_with('#') && !line.empty())
-      replayed += explained(*find_protocol(GetParam()), *from_hex(line));
-  }
-  EXPECT_EQ(replayed, whole.str());
+  const std::string text = golden_text(name);
+  ASSERT_FALSE(text.empty()) << name;
+  expect_responses(name, text, 0, [](const std::string& line) {
+    return explained(*find_protocol(GetParam()), *from_hex(line));
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProtocol, Explained,

@@ -115,11 +115,7 @@ class ForecastBus {
 class WrittenForecast : public testing::TestWithParam<std::string> {};
 
 TEST_P(WrittenForecast, IsAsWritten) {
-  std::optional<ForecastBus> bus;
-  expect_golden(
-      FIELDCAST_FORECASTS "/" + GetParam() + ".txt",
-      [&](const std::string& head) { bus.emplace(head); },
-      [&](const std::string& line) { return bus->respond(line); });
+  expect_bus_responses<ForecastBus>(FIELDCAST_FORECASTS "/" + GetParam() + ".txt");
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrittenForecast,

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -23,21 +23,14 @@ inline std::vector<std::string> golden_names(const std::string& folder) {
   return names;
 }
 
-// Expects that the file equals its head and, for each input line, the line and `respond(line)`. If
+// Expects that the file from `at` on equals its input lines, each followed by `respond(line)`. If
 // not, the actual text is written to a file that the failure names: check it, and copy it over the
-// expected one. `begin(head)` is called first.
-inline void expect_golden(const std::string& file, const std::function<void(std::string)>& begin,
-                          const std::function<std::string(std::string)>& respond) {
-  std::ifstream in(file);
-  ASSERT_TRUE(in) << file;
-  std::ostringstream whole;
-  whole << in.rdbuf();
-  const std::string text = whole.str(), rule = "---\n";
-  const auto at = text.find(rule);
-  ASSERT_NE(at, std::string::npos) << "no line of three hyphens";
-  std::string actual = text.substr(0, at + rule.size());
-  begin(text.substr(0, at));
-  std::istringstream lines(text.substr(at + rule.size()));
+// expected one. Empty lines and those that begin with # are no input.
+template <class Respond>
+void expect_responses(const std::string& file, const std::string& text, std::size_t at,
+                      Respond respond) {
+  std::string actual = text.substr(0, at);
+  std::istringstream lines(text.substr(at));
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with(' ')) continue;
     actual += line + '\n';
@@ -47,6 +40,26 @@ inline void expect_golden(const std::string& file, const std::function<void(std:
   const std::string copy = testing::TempDir() + std::filesystem::path(file).filename().string();
   std::ofstream(copy) << actual;
   EXPECT_EQ(actual, text) << "to accept it: cp " << copy << ' ' << file;
+}
+
+inline std::string golden_text(const std::string& file) {
+  std::ifstream in(file);
+  EXPECT_TRUE(in) << file;
+  std::ostringstream whole;
+  whole << in.rdbuf();
+  return whole.str();
+}
+
+// The same for a file that begins with a configuration and a line of three hyphens: a `Bus` of this
+// configuration responds.
+template <class Bus>
+void expect_bus_responses(const std::string& file) {
+  const std::string text = golden_text(file), rule = "---\n";
+  const auto at = text.find(rule);
+  ASSERT_NE(at, std::string::npos) << "no line of three hyphens in " << file;
+  Bus bus(text.substr(0, at));
+  expect_responses(file, text, at + rule.size(),
+                   [&](const std::string& line) { return bus.respond(line); });
 }
 
 // The name of a file as that of a parameterized test.
