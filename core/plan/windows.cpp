@@ -49,7 +49,7 @@ Duration Windows::longest() const {
 
 std::int64_t Windows::exchange(std::uint32_t rank, std::span<const Duration> first,
                                std::span<const Duration> second) {
-  const auto strain = [&] {
+  const auto squares = [&] {
     std::int64_t sum = 0;
     for (std::uint32_t slot = 0; slot < slots_; ++slot) {
       const std::int64_t more = over(row(slot)[rank]);
@@ -57,13 +57,13 @@ std::int64_t Windows::exchange(std::uint32_t rank, std::span<const Duration> fir
     }
     return sum;
   };
-  const std::int64_t before = strain();
+  const std::int64_t before = squares();
   for (std::uint32_t slot = 0; slot < slots_; ++slot) {
     const std::int64_t later = units(second[slot]) - units(first[slot]);
     row(slot)[rank] -= later;
     row(previous(slot))[rank] += later;
   }
-  return strain() - before;
+  return squares() - before;
 }
 
 }  // namespace fieldcast
