@@ -15,6 +15,7 @@
 
 #include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
+#include "bridge/dds/endpoints/bus_catalogue.hpp"
 #include "bridge/dds/endpoints/configuration_endpoint.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/history_endpoint.hpp"
