@@ -113,8 +113,9 @@ void BlockSubscription::run() {
       matches.swap(matches_);
     }
     const std::lock_guard lock(mutex_);
-    take_catalogue();
-    take_blocks();
+    const std::vector<Known> ended = take_catalogue();
+    take_blocks();  // before the ends: a bus that stops writes its last block before its end
+    for (const Known& known : ended) gone(known);
     for (const Match& match : matches) match.came ? return_of(match.writer) : end_of(match.writer);
     ask_for_snapshots(now_steady());
     due = next_request();
@@ -123,7 +124,8 @@ void BlockSubscription::run() {
 
 BlockSubscription::Bus& BlockSubscription::bus_of(const std::string& name) { return buses_[name]; }
 
-void BlockSubscription::take_catalogue() {
+std::vector<BlockSubscription::Known> BlockSubscription::take_catalogue() {
+  std::vector<Known> ended;
   dds::SampleInfo info;
   while (catalogue_->take_next_sample(&catalogue_block_, &info) == ReturnCode_t::RETCODE_OK) {
     if (info.valid_data) {
@@ -135,9 +137,10 @@ void BlockSubscription::take_catalogue() {
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
       lost_.forget(info.publication_handle, info.instance_handle);
       if (const auto node = known_.extract({info.publication_handle, info.instance_handle}))
-        gone(node.mapped());
+        ended.push_back(std::move(node.mapped()));
     }
   }
+  return ended;
 }
 
 void BlockSubscription::take_blocks() {

@@ -66,7 +66,7 @@ class BlockSubscription : private dds::DataReaderListener {
   void wake();
   void run();
   // REQUIRES for all: mutex_ held.
-  void take_catalogue();
+  [[nodiscard]] std::vector<Known> take_catalogue();  // returns what ended
   void take_blocks();
   void end_of(const dds::InstanceHandle_t& writer);
   void return_of(const dds::InstanceHandle_t& writer);
