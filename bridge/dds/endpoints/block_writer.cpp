@@ -35,7 +35,7 @@ void BlockWriter::go_on_with(std::uint64_t epoch, std::uint64_t number,
   }
 }
 
-void BlockWriter::write(std::span<const Sample> samples, const UtcMapping& mapping) {
+void BlockWriter::write(std::span<const Sample> samples, const UtcMapping& mapping, When when) {
   const std::lock_guard lock(mutex_);
   const bool wanted = readers() > 0;
   BlockFiller filler(block_, stream_.most_bytes);
@@ -44,11 +44,16 @@ void BlockWriter::write(std::span<const Sample> samples, const UtcMapping& mappi
     LastValue& value = values_[sample.channel];
     to_last_value(sample, mapping, value);
     if (!wanted || filler.add(sample.channel, value)) continue;
-    send(filler, false);
+    send(filler, false, when);
     filler = BlockFiller(block_, stream_.most_bytes);
     (void)filler.add(sample.channel, value);
   }
-  if (wanted && !samples.empty()) send(filler, false);
+  if (wanted && !samples.empty()) send(filler, false, when);
+}
+
+void BlockWriter::flush() {
+  const std::lock_guard lock(mutex_);
+  write_held();
 }
 
 std::size_t BlockWriter::write_snapshot() {
@@ -61,7 +66,7 @@ std::size_t BlockWriter::write_snapshot() {
     for (; next < values_.size(); ++next) {
       if (values_[next].sequence != 0 && !filler.add(next, values_[next])) break;
     }
-    send(filler, true);
+    send(filler, true, When::kNow);
     ++blocks;
   } while (next < values_.size());
   return blocks;
@@ -75,11 +80,23 @@ bool BlockWriter::last_value(ChannelIndex channel, LastValue& out) const {
   return true;
 }
 
-void BlockWriter::send(BlockFiller& filler, bool snapshot) {
+void BlockWriter::send(BlockFiller& filler, bool snapshot, When when) {
   filler.finish();
   block_.number(++number_);
   block_.snapshot(snapshot);
+  if (when == When::kSoon && held_blocks_ < kMostHeld) {
+    if (held_blocks_ == held_.size()) held_.push_back(block_);
+    std::swap(held_[held_blocks_++], block_);
+    ++waited_;
+    return;
+  }
+  write_held();
   writer_.write(&block_);
+}
+
+void BlockWriter::write_held() {
+  for (std::size_t i = 0; i < held_blocks_; ++i) writer_.write(&held_[i]);
+  held_blocks_ = 0;
 }
 
 SnapshotSender::SnapshotSender(Domain& domain, Send send, std::function<void()> asked)

@@ -1,7 +1,8 @@
 // Writes the SampleBlock topic of one bus while a reader is matched: the samples of an exchange in
-// one message, and snapshots of all last values in a few. Owns the writer and a copy of every last
-// value. write() has one caller at a time; any thread may call the others. A write never waits: the
-// history is a ring, and a reader that lags loses the oldest blocks.
+// one message, and snapshots of all last values in a few. Owns the writer, a copy of every last
+// value, and the blocks that wait for flush(). write() has one caller at a time; any thread may
+// call the others. A write never waits: the history is a ring, and a reader that lags loses the
+// oldest blocks.
 #pragma once
 
 #include <atomic>
@@ -43,7 +44,10 @@ class BlockWriter {
   void go_on_with(std::uint64_t epoch, std::uint64_t number, std::span<const Sample> last,
                   const UtcMapping& mapping);
 
-  void write(std::span<const Sample> samples, const UtcMapping& mapping);
+  // kSoon: the block waits for flush() or for the next one that does not wait.
+  enum class When : std::uint8_t { kNow, kSoon };
+  void write(std::span<const Sample> samples, const UtcMapping& mapping, When when = When::kNow);
+  void flush();
   // Writes the last value of every channel, or an empty block. Returns the number of blocks.
   std::size_t write_snapshot();
 
@@ -54,15 +58,23 @@ class BlockWriter {
 
   [[nodiscard]] std::uint32_t readers() const { return writer_.readers(); }
   [[nodiscard]] std::uint64_t written() const { return number_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t waited() const { return waited_.load(std::memory_order_relaxed); }
 
  private:
-  void send(BlockFiller& filler, bool snapshot);  // REQUIRES: mutex_ held
+  static constexpr std::size_t kMostHeld = 16;
+
+  // REQUIRES for both: mutex_ held.
+  void send(BlockFiller& filler, bool snapshot, When when);
+  void write_held();
 
   const Stream stream_;
   mutable std::mutex mutex_;       // protects the members below and the order of blocks
   std::vector<LastValue> values_;  // by channel index
   idl::SampleBlock block_;
+  std::vector<idl::SampleBlock> held_;  // kept for their memory; the first held_blocks_ wait
+  std::size_t held_blocks_ = 0;
   std::atomic<std::uint64_t> number_{0};  // of the last block; changed with mutex_ held
+  std::atomic<std::uint64_t> waited_{0};  // blocks that waited for flush()
   RenewedWriter writer_;
 };
 

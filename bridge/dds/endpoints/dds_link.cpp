@@ -36,6 +36,11 @@ LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& s
       catalogue.add(device, channel, samples.refresh_of(index++));
     to_idl(bridge, spec, device, descriptions.emplace_back());
   }
+  note_refreshes();
+}
+
+void LinkedBus::note_refreshes() {
+  may_wait = samples.shortest_refresh() >= BurstRule::kLeastRefresh;
 }
 
 DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers given)
@@ -150,6 +155,10 @@ void DdsLink::State::dispose(LinkedBus& bus, Duration linger, Duration limit) {
   for (idl::ReadPlan& part : bus.plan) reports.unregister(part);
   for (idl::DeviceDescription& description : bus.descriptions) reports.unregister(description);
   if (bus.reported) reports.unregister(bus.status);
+}
+
+void DdsLink::State::wait_for_block_readers(Duration linger) {
+  if (linger > Duration::zero()) catalogue_blocks->wait_for_acknowledgments(to_dds(linger));
 }
 
 DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers)
@@ -313,7 +322,9 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
     state_->names.erase(std::string(name));
   }
   if (const auto held = state_->held.extract(std::string(name))) held.mapped().close();
+  bus->blocks.flush();
   state_->dispose(*bus, linger, limit);
+  state_->wait_for_block_readers(linger);
   bus->catalogue.wait_for_readers(linger);
 }
 
@@ -328,16 +339,19 @@ void DdsLink::close(Duration linger, Leave leave) {
   if (state_->configuration) state_->configuration->close();
   state_->interests->close();
   state_->snapshots->close();
+  state_->bursts.close();
   state_->results.close(linger);
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   {
     const std::unique_lock lock(state_->mutex);
     buses.swap(state_->buses);
   }
+  for (auto& [name, bus] : buses) bus->blocks.flush();
   if (leave == Leave::kDispose) {
     for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
   }
   const auto end = std::chrono::steady_clock::now() + linger;
+  state_->wait_for_block_readers(linger);
   for (auto& [name, bus] : buses)
     bus->catalogue.wait_for_readers(end - std::chrono::steady_clock::now());
   // last: a bridge that waits for a bus takes it over now

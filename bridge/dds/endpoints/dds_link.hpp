@@ -77,6 +77,7 @@ class DdsLink {
     std::uint32_t sample_readers = 0;   // readers matched by the bus's busiest Sample writer
     std::uint32_t sample_writers = 0;   // Sample writers that have channels
     std::uint64_t blocks = 0;           // blocks written to SampleBlock, including snapshots
+    std::uint64_t waited = 0;           // of them: waited for those of other buses, see BurstRule
     std::uint32_t block_readers = 0;    // readers matched by the bus's SampleBlock writer
   };
 

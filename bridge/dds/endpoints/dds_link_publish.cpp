@@ -2,6 +2,7 @@
 #include "bridge/base/check.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/dds_link_state.hpp"
+#include "bridge/dds/filter/sent_message.hpp"
 #include "bridge/dds/guard/datagram_guard.hpp"
 
 namespace fieldcast {
@@ -18,8 +19,20 @@ bool DdsLink::publish_block(std::string_view name, std::span<const Sample> sampl
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr) return false;
-  bus->blocks.write(samples, mapping);
-  return bus->samples.awake();
+  const bool soon = bus->blocks.readers() > 0 &&
+                    state_->bursts.waits(bus, state_->handlers.clock().instant) && bus->may_wait &&
+                    !bus->samples.awake();
+  bus->blocks.write(samples, mapping, soon ? BlockWriter::When::kSoon : BlockWriter::When::kNow);
+  const bool each = bus->samples.awake();
+  if (soon && each) bus->blocks.flush();
+  if (soon && !each) state_->bursts.expect();
+  return each;
+}
+
+void DdsLink::State::write_burst() {
+  const std::shared_lock lock(mutex);
+  const JoinedSending joined(block_bytes);
+  for (const auto& [name, bus] : buses) bus->blocks.flush();
 }
 
 void DdsLink::publish_each(std::string_view name, std::span<const Sample> samples,
@@ -37,6 +50,7 @@ void DdsLink::set_refresh(std::string_view name, ChannelIndex channel,
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr || !bus->samples.move(channel, refresh)) return;
+  bus->note_refreshes();
   bus->catalogue.set_refresh(channel, refresh);
   state_->snapshots->request(std::string(name));
 }
@@ -163,6 +177,7 @@ DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   if (bus == nullptr) return {};
   BusCounters counters = bus->samples.counters();
   counters.blocks = bus->blocks.written();
+  counters.waited = bus->blocks.waited();
   counters.block_readers = bus->blocks.readers();
   return counters;
 }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/dds/endpoints/block_bursts.hpp"
 #include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
 #include "bridge/dds/endpoints/bus_catalogue.hpp"
@@ -32,6 +33,8 @@ struct LinkedBus {
             dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
             SnapshotSender& snapshots);
 
+  void note_refreshes();
+
   const BusSpec spec;  // first: the catalogue refers to it
   BusCatalogue catalogue;
   BlockWriter blocks;  // keeps the last values for blocks and single samples
@@ -42,6 +45,7 @@ struct LinkedBus {
   idl::BusStatus status;
   std::vector<idl::ReadPlan> plan;  // its parts, as published
   std::vector<idl::DeviceDescription> descriptions;
+  std::atomic<bool> may_wait = false;  // its refreshes allow its blocks to wait for a burst
   bool reported = false;
   bool write_failed = false;
 };
@@ -112,9 +116,15 @@ struct DdsLink::State {
   template <class Message>
   void reject(const Message& message, const MalformedCommand& why);
 
+  // Writes the blocks that wait, in as few datagrams as their size allows.
+  void write_burst();
+
   // Returns null if there is no such bus. REQUIRES: mutex held, shared or exclusive.
   LinkedBus* find(std::string_view name);
   void dispose(LinkedBus& bus, Duration linger, Duration limit = kInfinite);
+  // Call it after dispose(): readers may receive the end of a writer before its last blocks,
+  // because the library receives it on another thread; the end of the catalogue follows the blocks.
+  void wait_for_block_readers(Duration linger);
   // Returns the prepared bus, or creates it.
   std::unique_ptr<LinkedBus> made(const BusSpec& spec);
   void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
@@ -147,7 +157,9 @@ struct DdsLink::State {
   std::mutex names_mutex;
   std::set<std::string, std::less<>> names;
   bool closed = false;
-  std::unique_ptr<SnapshotSender> snapshots;  // last member: its thread uses the buses
+  // Last members: their threads use the buses.
+  std::unique_ptr<SnapshotSender> snapshots;
+  BlockBursts bursts{[this] { write_burst(); }};
 };
 
 }  // namespace fieldcast

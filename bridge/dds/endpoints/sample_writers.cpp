@@ -317,6 +317,15 @@ std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
   return writer == nullptr ? std::nullopt : writer->refresh;
 }
 
+Duration SampleWriters::shortest_refresh() const {
+  const std::lock_guard lock(mutex_);
+  Duration shortest = kInfinite;
+  for (const auto& writer : writers_) {
+    if (writer->channels > 0) shortest = std::min(shortest, writer->refresh.value_or(kInfinite));
+  }
+  return shortest;
+}
+
 void SampleWriters::dispose(Duration linger, Duration limit) {
   const std::lock_guard lock(mutex_);
   leaving_.clear();

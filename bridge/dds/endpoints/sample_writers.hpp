@@ -50,6 +50,7 @@ class SampleWriters {
   // unregisters the instance. Throws DdsError if a writer cannot be created.
   bool move(ChannelIndex channel, std::optional<Duration> refresh);
   [[nodiscard]] std::optional<Duration> refresh_of(ChannelIndex channel) const;
+  [[nodiscard]] Duration shortest_refresh() const;  // that is promised; kInfinite: none
 
   // Removes writers whose last channel moved away, and lets the writers rest some time after the
   // last reader has left. Call it regularly, also without samples: readers count the deadlines that
