@@ -1,4 +1,7 @@
 // Starts Debian's chromium for the tests, and has the checks that all pages share.
+//
+// THROTTLE=8 in the environment makes the scripts of the page eight times slower: a check that does
+// not wait for the page fails.
 
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';
@@ -6,6 +9,7 @@ import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 
 const programs = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+const throttle = Number(process.env.THROTTLE ?? 1), patience_ms = 30_000;
 export const chromiumPath = () => programs.find((path) => existsSync(path));
 
 // Returns {open(path, options), close()}. `modules`: the node_modules of the tests.
@@ -19,7 +23,8 @@ export async function startBrowser(modules, address) {
   async function open(hash, { width = 1280, height = 760, dark = false, language = 'en', base = address, ignore = /$^/ } = {}) {
     const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', locale: language });
     const page = await context.newPage();
-    page.setDefaultTimeout(10_000);
+    page.setDefaultTimeout(patience_ms);
+    if (throttle > 1) await (await context.newCDPSession(page)).send('Emulation.setCPUThrottlingRate', { rate: throttle });
     page.underWay = 0;
     page.on('request', () => page.underWay++);
     for (const end of ['requestfinished', 'requestfailed']) page.on(end, () => page.underWay--);
@@ -70,7 +75,7 @@ export const says = (page, selector, pattern, what = String(pattern)) =>
   until(async () => pattern.test((await page.locator(selector).allTextContents()).join(' ')), what);
 
 // Waits in this process, without polling the page by sleeping.
-export async function until(condition, what, within_ms = 10_000) {
+export async function until(condition, what, within_ms = patience_ms) {
   const end = Date.now() + within_ms;
   for (;;) {
     const result = await Promise.resolve().then(condition).catch((fault) => {
