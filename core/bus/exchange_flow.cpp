@@ -41,7 +41,7 @@ std::optional<Bytes> Arbiter::sign(Instant now, bool due) {
 
 std::optional<Flight> Arbiter::choose(Instant now) {
   if (!commands_.empty() && !parts_.command_in_flight()) {
-    const bool reads_first = command_was_last_ && !commands_.begun() && reads_.due(now);
+    const bool reads_first = command_was_last_ && !commands_.keeps_wire() && reads_.due(now);
     if (!reads_first) {
       if (auto command = choose_command(now)) return command;
       if (rest_until_ != kLongAgo) return std::nullopt;
@@ -64,7 +64,7 @@ std::optional<Flight> Arbiter::choose_command(Instant now) {
                                         gateway_share_);
     return command;
   }
-  if (commands_.begun()) {
+  if (commands_.keeps_wire()) {
     const Instant from = commands_.sendable_from(command_gate_);
     if (from - now <= kLongestWait) rest_until_ = from;
   }

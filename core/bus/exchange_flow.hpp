@@ -2,7 +2,8 @@
 // the bus engine, on the bus's thread; borrows the other parts. Rules:
 //   - A repeated exchange is sent first.
 //   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
-//   - A started command keeps the wire during its device's pause, unless the pause is long.
+//     The same holds between the requests of a command that reads.
+//   - A started write keeps the wire during its device's pause, unless the pause is long.
 //   - A read in spare time is sent if a rehearsal shows that the next reads of the plan are in time
 //     after it. A read of the gateway is also sent if the gateway has used less than its share.
 //   - Probes, and reads of unhealthy devices, use spare time of the wire.

@@ -19,12 +19,25 @@ class ArbiterTest : public testing::Test {
     command.values = {Value{std::uint64_t{7}}};
     parts_.commands.accept(command, {}, Instant{}, sink_);
   }
-  // Returns the kind of the next command at `now`, and withdraws the command.
+  void read_addresses(std::uint32_t count) {
+    Command command;
+    command.request_id = ++sent_;
+    command.device = "unit-1";
+    command.operation = Operation::kAcquire;
+    command.target = AddressTarget{"holding:0", {}};
+    command.count = count;
+    parts_.commands.accept(command, {}, Instant{}, sink_);
+  }
+  static Reply reply_to(const Request& request) {
+    const auto* read = std::get_if<ReadRequest>(&request);
+    return test::items(Bytes(read == nullptr ? 0 : 2 * read->ranges.front().count));
+  }
+  // Returns the kind of the next exchange at `now`, and completes its command.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire().abort();
     if (flight.is_command())
-      parts_.commands.responded(flight.batch, {{}}, now, now, sink_);
+      parts_.commands.responded(flight.batch, reply_to(flight.asked.request), now, now, sink_);
     else if (flight.kind == Kind::kRead)
       parts_.reads.broken_off(flight.block, now);
     last_device_ = flight.asked.device;
@@ -35,7 +48,13 @@ class ArbiterTest : public testing::Test {
     arbiter_.suspend(device, now);
   }
 
-  BusParts parts_{test::rtu_bus(2), plain_text_codec()};
+  static BusSpec bus() {
+    BusSpec spec = test::rtu_bus(2);
+    spec.devices.front().allow_raw_read = true;
+    return spec;
+  }
+
+  BusParts parts_{bus(), plain_text_codec()};
   Arbiter arbiter_{parts_};
   std::uint64_t samples_ = 0;
   std::uint64_t sent_ = 0;
@@ -61,6 +80,25 @@ TEST_F(ArbiterTest, CommandsAndReadsThatAreDueTakeTurns) {
   EXPECT_EQ(next(Instant{}), Kind::kRead);
   EXPECT_EQ(next(Instant{}), Kind::kCommand);
   EXPECT_EQ(next(Instant{}), Kind::kRead);
+}
+
+TEST_F(ArbiterTest, RequestsOfALongReadAndReadsThatAreDueTakeTurns) {
+  read_addresses(300);
+  for (int request = 0; request < 3; ++request) {
+    EXPECT_EQ(next(Instant{}), Kind::kCommand) << request;
+    EXPECT_EQ(next(Instant{}), Kind::kRead) << request;
+  }
+  EXPECT_TRUE(parts_.commands.empty());
+}
+
+TEST_F(ArbiterTest, ALongReadOfAPausingDeviceDoesNotKeepTheWire) {
+  read_addresses(300);
+  EXPECT_EQ(next(Instant{}), Kind::kCommand);
+  EXPECT_EQ(next(Instant{}), Kind::kRead);
+  parts_.devices.busy(0, Instant{});
+  const Instant soon = Instant{} + DeviceMonitor::kBusyPause - Arbiter::kLongestWait / 2;
+  EXPECT_EQ(next(soon), Kind::kRead);
+  EXPECT_EQ(last_device_, 1u);
 }
 
 TEST_F(ArbiterTest, WithoutReadsCommandsFollowEachOther) {
@@ -90,7 +128,7 @@ TEST_F(ArbiterTest, TheWireRestsForACommandThatHasBegun) {
   ASSERT_TRUE(arbiter_.next(Instant{}));
   (void)parts_.wire().abort();
   parts_.commands.failed(1, Cause::kNoResponse, 0, Instant{}, Instant{}, sink_);
-  ASSERT_TRUE(parts_.commands.begun()) << "it reads back";
+  ASSERT_TRUE(parts_.commands.keeps_wire()) << "it reads back";
   parts_.devices.busy(0, Instant{});
   const Instant begin = Instant{} + DeviceMonitor::kBusyPause;
   EXPECT_EQ(next(Instant{}), Kind::kRead) << "too long to wait";

@@ -234,11 +234,13 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   auto job = make(command);
   ASSERT_TRUE(job);
   job->responded(items({1}));
+  EXPECT_EQ(job->take_acquired().size(), 1u);
+  EXPECT_TRUE(job->take_acquired().empty());
   job->responded(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,
             (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));
-  EXPECT_EQ(job->acquired().size(), 4u);
+  EXPECT_EQ(job->take_acquired().size(), 3u);
 }
 
 TEST_F(CommandJobTest, NoReadIsLongerThanTheBlockOfTheDevice) {

@@ -15,6 +15,7 @@ class CommandQueueTest : public testing::Test {
   static BusSpec bus() {
     BusSpec bus = test::rtu_bus(2);
     bus.devices[0].channels[2].write_interval = 1s;
+    bus.devices[1].max_block = 2;
     return bus;
   }
   Command write(const std::string& channel, std::uint64_t value,
@@ -264,7 +265,7 @@ TEST_F(CommandQueueTest, ARefusedBatchGoesAloneAndACommandThatHasBegunStaysFirst
   ASSERT_EQ(sent->batch, 2u);
   queue_.failed(sent->batch, Cause::kDeviceError, 2, Instant{}, Instant{}, sink_);
   EXPECT_TRUE(results().empty()) << "nobody knows which of them was meant";
-  EXPECT_TRUE(queue_.begun());
+  EXPECT_TRUE(queue_.keeps_wire());
   const auto alone = next();
   EXPECT_EQ(alone->batch, 1u);
   queue_.failed(1, Cause::kDeviceError, 2, Instant{}, Instant{}, sink_);
@@ -300,7 +301,7 @@ TEST_F(CommandQueueTest, TheFirstWhoseDeviceMayBeAskedGoes) {
   EXPECT_FALSE(queue_.next(Instant{}, gate, false));
   EXPECT_EQ(queue_.sendable_from(gate), Instant{200ms});
   EXPECT_EQ(queue_.next(Instant{200ms}, gate, false)->device, 1u);
-  EXPECT_TRUE(queue_.begun());
+  EXPECT_TRUE(queue_.keeps_wire());
 }
 
 TEST_F(CommandQueueTest, WhatHasBegunDoesNotExpire) {
@@ -331,7 +332,7 @@ TEST_F(CommandQueueTest, RefusingAllSaysThatABegunWriteIsInDoubt) {
   EXPECT_EQ(all[0].reason, "port is down; unknown whether it took effect");
   EXPECT_EQ(all[1].state, CommandState::kRejected);
   EXPECT_TRUE(queue_.empty());
-  EXPECT_FALSE(queue_.begun());
+  EXPECT_FALSE(queue_.keeps_wire());
 }
 
 TEST_F(CommandQueueTest, AnAcquisitionIsAResultAndSamples) {
@@ -347,6 +348,20 @@ TEST_F(CommandQueueTest, AnAcquisitionIsAResultAndSamples) {
   EXPECT_EQ(published[0].acquired, Instant{5ms});
   EXPECT_EQ(samples_, 1u);
   EXPECT_EQ(results()[0].values, std::vector<Value>{Value{std::uint64_t{0x0102}}});
+}
+
+TEST_F(CommandQueueTest, EachPartOfAnAcquisitionHasTheTimeOfItsResponse) {
+  accept(acquire("", "unit-2"));
+  ASSERT_TRUE(next());
+  queue_.responded(1, test::items({0, 1, 0, 2}), Instant{5ms}, Instant{6ms}, sink_);
+  ASSERT_EQ(actions_.size(), 1u) << "samples do not wait for the end of the command";
+  ASSERT_TRUE(next());
+  queue_.failed(1, Cause::kNoResponse, 0, Instant{1s}, Instant{1s}, sink_);
+  const auto& first = std::get<Publish>(actions_[0]).samples;
+  ASSERT_EQ(first.size(), 2u);
+  for (const Sample& sample : first) EXPECT_EQ(sample.acquired, Instant{5ms});
+  EXPECT_EQ(samples_, 2u) << "the failure repeats none of them";
+  EXPECT_EQ(results()[0].state, CommandState::kFailed);
 }
 
 TEST(CommandLedger, TheSecondOfAKeyIsADuplicate) {

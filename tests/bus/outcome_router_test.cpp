@@ -129,7 +129,7 @@ TEST_F(OutcomeRouterTest, AWriteIsNeverRepeatedAndItsCommandDecides) {
     GTEST_FAIL() << "an echo is looked for first";
   (void)time_out();
   EXPECT_FALSE(parts_.wire().waiting());
-  EXPECT_TRUE(parts_.commands.begun()) << "it reads back";
+  EXPECT_TRUE(parts_.commands.keeps_wire()) << "it reads back";
 }
 
 TEST_F(OutcomeRouterTest, ALostDeviceMakesItsChannelsFailAndIsNotRead) {

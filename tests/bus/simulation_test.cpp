@@ -97,6 +97,26 @@ TEST(Simulation, WritesToNeighboursTravelTogether) {
     EXPECT_EQ(bus.channels()[c].value, Value{std::uint64_t{c == 7 ? 77u : 1000u + c}}) << c;
 }
 
+TEST(Simulation, ACommandThatReadsThousandRegistersDelaysNoChannel) {
+  BusSpec spec = plant(2, 20, "refresh: 500ms");
+  spec.devices.back().allow_raw_read = true;
+  VirtualBus bus(spec, {}, 9);
+  bus.run_until(Instant{5s});
+  bus.watch_from_now();
+  Command command;
+  command.device = spec.devices.back().name;
+  command.operation = Operation::kAcquire;
+  command.target = AddressTarget{"holding:0", {}};
+  command.count = 1000;
+  bus.command(std::move(command));
+  bus.run_until(bus.now() + 10s);
+  ASSERT_EQ(bus.results().size(), 1u);
+  const CommandResult& result = bus.results().begin()->second.front();
+  EXPECT_EQ(result.state, CommandState::kDone) << result.reason;
+  EXPECT_EQ(result.values.size(), 1000u);
+  for (const auto& channel : bus.channels()) EXPECT_LE(channel.longest_gap, 500ms);
+}
+
 TEST(Simulation, FloodOfCommandsStarvesNeitherSide) {
   const BusSpec spec = plant(2, 20, "refresh: 1s, mode: intensive");
   VirtualBus bus(spec, {}, 9);

@@ -1,6 +1,7 @@
 #include "core/bus/command/command_job.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fieldcast {
 namespace {
@@ -202,7 +203,7 @@ void CommandJob::finish(CommandState state, Cause cause, std::uint16_t device_co
   reason_ = std::move(reason);
 }
 
-ByteView CommandJob::items_of(const CommandSubject& subject) const {
+ByteView CommandJob::items_of(const CommandSubject& subject, std::size_t first) const {
   const unsigned bits = area(subject.range).item_bits;
   const auto cut = [&](const Range& range, const Bytes& items) -> ByteView {
     if (range.area != subject.range.area || subject.range.first < range.first ||
@@ -213,16 +214,17 @@ ByteView CommandJob::items_of(const CommandSubject& subject) const {
   };
   if (command_.operation == Operation::kWrite)
     return read_back_.empty() ? ByteView{} : cut(write_request().range, read_back_);
-  for (std::size_t i = 0; i < read_items_.size(); ++i) {
+  for (std::size_t i = first; i < read_items_.size(); ++i) {
     if (const ByteView found = cut(reads_[i], read_items_[i]); !found.empty()) return found;
   }
   return {};
 }
 
-std::vector<CommandJob::Acquired> CommandJob::acquired() const {
+std::vector<CommandJob::Acquired> CommandJob::take_acquired() {
+  const std::size_t first = std::exchange(taken_, read_items_.size());
   std::vector<Acquired> result;
   for (const CommandSubject& subject : subjects_) {
-    const ByteView items = items_of(subject);
+    const ByteView items = items_of(subject, first);
     if (subject.channel && !items.empty())
       result.push_back({*subject.channel, area(subject.range).item_bits, items});
   }

@@ -75,7 +75,8 @@ class CommandJob {
     unsigned item_bits;
     ByteView items;
   };
-  [[nodiscard]] std::vector<Acquired> acquired() const;
+  // The values of channels that the last response contained; empty when called again.
+  [[nodiscard]] std::vector<Acquired> take_acquired();
   [[nodiscard]] std::optional<ChannelIndex> written_channel() const;
 
   [[nodiscard]] CommandResult result(Instant received, Instant completed) const;
@@ -104,7 +105,8 @@ class CommandJob {
   }
   [[nodiscard]] WriteRequest write_request() const;
   [[nodiscard]] bool reads_back_same(ByteView items) const;
-  [[nodiscard]] ByteView items_of(const CommandSubject& subject) const;
+  // Empty if no response from the read number `first` on contained the subject.
+  [[nodiscard]] ByteView items_of(const CommandSubject& subject, std::size_t first = 0) const;
   void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0,
               std::string reason = {});
   void merge_into(const Bytes& before);  // `before`: items read before the write
@@ -129,7 +131,8 @@ class CommandJob {
   unsigned max_rewrites_ = 0;
   std::vector<Range> reads_;
   std::vector<Bytes> read_items_;
-  Bytes read_back_;  // empty until read back
+  std::size_t taken_ = 0;  // of read_items_
+  Bytes read_back_;        // empty until read back
   Phase phase_ = Phase::kFinished;
   CommandState state_ = CommandState::kFailed;
   Cause cause_ = Cause::kNone;

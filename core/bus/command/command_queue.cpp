@@ -264,14 +264,15 @@ void CommandQueue::not_sent(std::size_t batch) {
 void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {
   std::size_t at = 0;
   for (; batch > 0; --batch) {
-    const Waiting& each = waiting_[at];
+    Waiting& each = waiting_[at];
+    std::vector<Sample> samples;
+    for (const CommandJob::Acquired& read : each.job.take_acquired())
+      channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
     if (each.job.next()) {
+      sink.publish(std::move(samples));
       ++at;
       continue;
     }
-    std::vector<Sample> samples;
-    for (const CommandJob::Acquired& read : each.job.acquired())
-      channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
     if (!each.job.command().in_spare_time()) ++done_;
     sink.push(Complete{each.job.result(each.received, now)});
     sink.publish(std::move(samples));

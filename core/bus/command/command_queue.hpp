@@ -72,7 +72,10 @@ class CommandQueue {
   [[nodiscard]] const Command* first() const {
     return waiting_.empty() ? nullptr : &waiting_.front().job.command();
   }
-  [[nodiscard]] bool begun() const { return begun_; }
+  // A write was begun: its next request follows immediately. Reads may come between those of a read.
+  [[nodiscard]] bool keeps_wire() const {
+    return begun_ && first()->operation == Operation::kWrite;
+  }
   [[nodiscard]] Instant sendable_from(const Gate& gate) const;
   [[nodiscard]] std::uint64_t done() const { return done_; }
 
