@@ -12,8 +12,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 integration() {
-  local folder option failed=0 report reports=0
-  case "${1:-}" in
+  local kind=${1:-} folder option failed=0 report reports=0
+  case "$kind" in
     thread) folder=build-tsan option=FIELDCAST_TSAN ;;
     address) folder=build-asan option=FIELDCAST_ASAN ;;
     *) sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
@@ -28,7 +28,7 @@ integration() {
     cat "$report"
     reports=$((reports + 1))
   done
-  echo "tools/sanitize.sh: $reports processes with reports of the $1 sanitizer"
+  echo "tools/sanitize.sh: $reports processes with reports of the $kind sanitizer"
   [ "$reports" -eq 0 ] && return "$failed"
   return 1
 }
