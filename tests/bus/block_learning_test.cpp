@@ -54,6 +54,92 @@ TEST(BlockLearning, WhatWasLearnedIsForgotten) {
   EXPECT_FALSE(learning.forget()) << "nothing was known any more";
 }
 
+TEST(BlockLearning, ABlockThatIsAcceptedAfterAllTeachesNothing) {
+  BlockLearning learning;
+  learning.refused(items(0, 10), {items(0, 5), items(5, 10)});
+  EXPECT_FALSE(learning.read(items(0, 5), kNow));
+  EXPECT_FALSE(learning.read(items(0, 10), kNow));
+  EXPECT_FALSE(learning.read(items(5, 10), kNow));
+  EXPECT_EQ(learning.longest(), 0u);
+}
+
+TEST(BlockLearning, ARefusedPartOfARefusedBlockIsTheSameSearch) {
+  BlockLearning learning;
+  learning.refused(items(0, 40), {items(0, 10), items(10, 20), items(20, 40)});
+  learning.refused(items(0, 20), {items(0, 10), items(10, 20)});
+  EXPECT_FALSE(learning.read(items(0, 10), kNow));
+  EXPECT_FALSE(learning.read(items(10, 20), kNow)) << "items 20 to 39 are still to be read";
+  EXPECT_TRUE(learning.read(items(20, 40), kNow));
+}
+
+TEST(BlockLearning, BlocksAcrossTheBordersOfARefusedOneCountForTheirPart) {
+  BlockLearning learning;
+  learning.refused(items(10, 20), {items(10, 15), items(15, 20)});
+  EXPECT_FALSE(learning.read(items(5, 15), kNow));
+  EXPECT_TRUE(learning.read(items(15, 25), kNow));
+  EXPECT_EQ(learning.longest(), 9u) << "ten items were accepted before and are refused now";
+  EXPECT_EQ(learning.largest_read(), 9u);
+  EXPECT_TRUE(learning.gaps().empty());
+}
+
+TEST(BlockLearning, ABlockBesideARefusedOneSaysNothingAboutIt) {
+  BlockLearning learning;
+  learning.refused(items(10, 20), {items(10, 12)});
+  EXPECT_FALSE(learning.read(items(0, 10), kNow));
+  EXPECT_FALSE(learning.read(items(20, 30), kNow));
+  EXPECT_FALSE(learning.read(items(10, 12), kNow));
+  EXPECT_EQ(learning.gaps(), std::vector<Range>{items(12, 20)});
+}
+
+TEST(BlockLearning, OnlyABlockWithinAGapOrAcrossItsBordersClosesIt) {
+  for (const auto& [block, closes] : {std::pair{items(0, 2), false},
+                                      {items(8, 10), false},
+                                      {items(0, 3), true},
+                                      {items(7, 10), true},
+                                      {items(4, 5), true}}) {
+    BlockLearning learning;
+    learning.refused(items(0, 10), {items(0, 2), items(8, 10)});
+    EXPECT_FALSE(learning.read(items(0, 2), kNow));
+    EXPECT_FALSE(learning.read(items(8, 10), kNow));
+    EXPECT_FALSE(learning.read(block, kNow));
+    EXPECT_EQ(learning.gaps().empty(), closes) << block.first << ".." << block.end();
+  }
+}
+
+TEST(BlockLearning, EachGapOfABlockIsFoundOnce) {
+  BlockLearning learning;
+  for (int time = 0; time < 2; ++time) {
+    learning.refused(items(0, 10), {items(1, 2), items(4, 6)});
+    EXPECT_FALSE(learning.read(items(1, 2), kNow));
+    EXPECT_FALSE(learning.read(items(4, 6), kNow));
+    EXPECT_EQ(learning.gaps(), (std::vector{items(0, 1), items(2, 4), items(6, 10)}));
+  }
+}
+
+TEST(BlockLearning, TheOldestOfTooManyGapsIsForgotten) {
+  BlockLearning learning;
+  for (std::uint32_t i = 0; i <= BlockLearning::kMostGaps; ++i) {
+    learning.refused(items(10 * i, 10 * i + 9), {items(10 * i, 10 * i + 1)});
+    EXPECT_FALSE(learning.read(items(10 * i, 10 * i + 1), kNow));
+  }
+  ASSERT_EQ(learning.gaps().size(), BlockLearning::kMostGaps);
+  EXPECT_EQ(learning.gaps().front(), items(11, 19));
+  EXPECT_EQ(learning.gaps().back(), items(641, 649));
+}
+
+TEST(BlockLearning, ALengthThatIsConfirmedIsNoChangeAndIsRememberedLonger) {
+  BlockLearning learning;
+  const auto halve = [&](Instant now) {
+    learning.refused(items(0, 40), {items(0, 20), items(20, 40)});
+    EXPECT_FALSE(learning.read(items(0, 20), now));
+    return learning.read(items(20, 40), now);
+  };
+  EXPECT_TRUE(halve(kNow));
+  EXPECT_FALSE(halve(kNow + 30min)) << "20 items, as before";
+  EXPECT_FALSE(learning.expire(kNow + 89min));
+  EXPECT_TRUE(learning.expire(kNow + 90min));
+}
+
 TEST(BlockLearning, MemoryIsBounded) {
   BlockLearning learning;
   for (std::uint32_t i = 0; i < 1000; ++i)
