@@ -108,6 +108,19 @@ TEST_F(WireFenceTest, WhatCouldBeAResponseIsBelievedTheThirdTime) {
   EXPECT_TRUE(stray(write, at(510ms)));
 }
 
+TEST_F(WireFenceTest, WhatCouldBeAResponseCountsForASecond) {
+  const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
+  hold();
+  for (const Duration time : {600ms, 800ms, 1601ms, 1700ms}) {
+    for (Duration before = time - 250ms; before < time; before += 100ms)
+      fence.bytes_came(false, at(before));  // of devices, so that the wire is kept
+    EXPECT_FALSE(stray(write, at(time))) << to_text(time);
+    fence.bytes_came(false, at(time + 200ms));
+    fence.bytes_came(false, at(time + 400ms));
+  }
+  EXPECT_TRUE(stray(write, at(2200ms))) << "the third one within a second";
+}
+
 TEST_F(WireFenceTest, WhoWasSilentForTooLongListensAgain) {
   hold();
   EXPECT_TRUE(fence.keeps(at(760ms)));

@@ -29,7 +29,7 @@ void UnsolicitedListener::opened() {
 
 std::vector<UnsolicitedListener::Frame> UnsolicitedListener::on_bytes(ByteView bytes, Instant now) {
   std::vector<Frame> frames;
-  const bool paused = now - last_byte_ > kLongestPause;
+  const bool paused = last_byte_ < now - kLongestPause;
   last_byte_ = now;
   for (Sender& sender : senders_) {
     if (paused && !sender.kept.empty()) {

@@ -36,7 +36,7 @@ Bytes Wire::send(const Send& with, Instant now) {
   else
     flight_->idle += now - free_at_;
   looked_ = now;
-  rest_ = now - ended_;
+  rest_ = ended_ == kLongAgo ? Duration::max() : now - ended_;
   flight_->rest = with.rest;
   asked.context = with.context;
   asked.context.session = &session_;

@@ -135,7 +135,7 @@ bool WireFence::own(ByteView frame) const {
 
 bool WireFence::believe(const RequestFinder::Found& found, Instant now) {
   if (found.certain || !holding_) return true;
-  if (now - doubtful_since_ > kDoubtFor) {
+  if (doubtful_since_ < now - kDoubtFor) {
     doubtful_ = 0;
     doubtful_since_ = now;
   }
@@ -153,7 +153,7 @@ bool WireFence::take_foreign(ByteView frame, Instant now) {
 
 bool WireFence::stray(ByteView bytes, Instant now) {
   if (!on_) return false;
-  const bool began = now - last_stray_ > kBurstGap;
+  const bool began = last_stray_ < now - kBurstGap;
   last_stray_ = now;
   if (!holding_) {
     if (began && !burst_.empty()) {
