@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "core/codec/checksum.hpp"
+
 namespace fieldcast {
 namespace {
 
@@ -108,19 +112,6 @@ TEST_F(WireFenceTest, WhatCouldBeAResponseIsBelievedTheThirdTime) {
   EXPECT_TRUE(stray(write, at(510ms)));
 }
 
-TEST_F(WireFenceTest, WhatCouldBeAResponseCountsForASecond) {
-  const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
-  hold();
-  for (const Duration time : {600ms, 800ms, 1601ms, 1700ms}) {
-    for (Duration before = time - 250ms; before < time; before += 100ms)
-      fence.bytes_came(false, at(before));  // of devices, so that the wire is kept
-    EXPECT_FALSE(stray(write, at(time))) << to_text(time);
-    fence.bytes_came(false, at(time + 200ms));
-    fence.bytes_came(false, at(time + 400ms));
-  }
-  EXPECT_TRUE(stray(write, at(2200ms))) << "the third one within a second";
-}
-
 TEST_F(WireFenceTest, WhoWasSilentForTooLongListensAgain) {
   hold();
   EXPECT_TRUE(fence.keeps(at(760ms)));
@@ -153,10 +144,189 @@ TEST_F(WireFenceTest, BrokenBytesInTheFirstExchangeAreACollision) {
   EXPECT_TRUE(fence.listening());
 }
 
+TEST_F(WireFenceTest, ARankBeyondTheLastIsTheLast) {
+  fence.set_order(100, 1);
+  fence.opened(at(0ms));
+  const Duration first = 420ms + 7 * fence.times().slot;
+  EXPECT_FALSE(fence.may_send(at(first - 1ms)));
+  EXPECT_TRUE(fence.may_send(at(first)));
+}
+
+TEST_F(WireFenceTest, ASlotMayBeginUpToHalfASlotLate) {
+  fence.opened(at(0ms));
+  const Duration half = fence.times().slot / 2;
+  EXPECT_TRUE(fence.may_send(at(420ms + half)));
+  EXPECT_FALSE(fence.may_send(at(420ms + half + 1us)));
+}
+
+TEST_F(WireFenceTest, AnExchangeWithoutAResponseAfterOthersWithOneChangesNothing) {
+  hold();
+  fence.sending(kOwn, at(450ms));
+  EXPECT_FALSE(fence.ended(false, Bytes{0x13, 0x37}, at(660ms)));
+  EXPECT_FALSE(fence.listening());
+  EXPECT_TRUE(fence.may_send(at(660ms)));
+}
+
+// Two bridges that began in the same slot would otherwise meet again and again.
+TEST_F(WireFenceTest, WithoutAFirstResponseTheNextRequestWaitsForARandomSlot) {
+  std::set<Duration> waits;
+  for (std::uint64_t seed = 1; seed <= 64; ++seed) {
+    WireFence each(bus_with(Fence::kListen));
+    each.set_order(0, seed);
+    each.opened(at(0ms));
+    ASSERT_TRUE(each.may_send(at(420ms)));
+    each.sending(kOwn, at(425ms));
+    EXPECT_FALSE(each.ended(false, {}, at(625ms)));
+    EXPECT_FALSE(each.listening());
+    waits.insert(each.look_again(at(625ms)) - at(625ms));
+  }
+  ASSERT_EQ(waits.size(), WireFence::kRanks) << "each slot, with 64 seeds";
+  for (unsigned slot = 0; slot < WireFence::kRanks; ++slot)
+    EXPECT_TRUE(waits.contains(slot * fence.times().slot)) << slot;
+}
+
+TEST_F(WireFenceTest, AfterACollisionEachBridgeListensForATimeOfItsOwn) {
+  std::set<Instant> begins;
+  for (std::uint64_t seed = 1; seed <= 64; ++seed) {
+    WireFence each(bus_with(Fence::kListen));
+    each.set_order(3, seed);
+    each.opened(at(0ms));
+    const Instant start = each.look_again(at(420ms));
+    ASSERT_TRUE(each.may_send(start));
+    each.sending(kOwn, start + 5ms);
+    each.bytes_came(false, start + 10ms);
+    EXPECT_FALSE(each.ended(false, Bytes{0x13, 0x37}, start + 40ms));
+    begins.insert(Instant{each.look_again(start + 40ms) - start});
+  }
+  ASSERT_EQ(begins.size(), WireFence::kRanks);
+  EXPECT_EQ(*begins.begin(), Instant{430ms}) << "listened since the last byte";
+}
+
+TEST_F(WireFenceTest, ARequestThatWasNotSentIsListenedFor) {
+  hold();
+  fence.not_sent(at(500ms));
+  EXPECT_TRUE(fence.listening());
+  EXPECT_FALSE(fence.may_send(at(859ms)));
+  EXPECT_TRUE(fence.may_send(at(860ms))) << "420 ms after the last byte";
+}
+
+TEST_F(WireFenceTest, BytesAfterALongSilenceMayBeOfAnotherMaster) {
+  hold();
+  fence.bytes_came(false, at(760ms));
+  EXPECT_FALSE(fence.listening()) << "320 ms after the last byte";
+  fence.bytes_came(false, at(1081ms));
+  EXPECT_TRUE(fence.listening());
+}
+
+TEST_F(WireFenceTest, OneThatHearsOnlyItsEchoMayBeCutOffAndListens) {
+  hold();
+  for (const Duration sent : {600ms, 800ms, 1000ms, 1200ms}) {
+    ASSERT_TRUE(fence.may_send(at(sent))) << to_text(sent);
+    fence.sending(kOwn, at(sent + 5ms));
+    fence.bytes_came(true, at(sent + 5ms));
+    EXPECT_FALSE(fence.ended(false, {}, at(sent + 200ms)));
+  }
+  EXPECT_TRUE(fence.may_send(at(1280ms))) << "840 ms after the last byte of a device";
+  EXPECT_FALSE(fence.may_send(at(1281ms)));
+  ASSERT_TRUE(fence.listening());
+  const Instant again = fence.look_again(at(1281ms));
+  EXPECT_EQ(again, at(1625ms)) << "420 ms after its own last byte";
+  ASSERT_TRUE(fence.may_send(again));
+  fence.sending(kOwn, again + 5ms);
+  EXPECT_FALSE(fence.ended(false, {}, again + 200ms));
+  EXPECT_TRUE(fence.listening()) << "still nobody responds: it does not try again and again";
+}
+
+TEST_F(WireFenceTest, AResponseThatBeginsBeforeTheEndOfTheFirstRequestIsDoubtedOnce) {
+  EXPECT_FALSE(fence.doubts_first(-3ms, 1ms)) << "nothing was sent";
+  fence.opened(at(0ms));
+  ASSERT_TRUE(fence.may_send(at(420ms)));
+  fence.sending(kOwn, at(425ms));
+  EXPECT_FALSE(fence.doubts_first(-2ms, 1ms)) << "within two characters";
+  EXPECT_TRUE(fence.doubts_first(-3ms, 1ms));
+  EXPECT_FALSE(fence.doubts_first(-3ms, 1ms)) << "the line may not keep its rate";
+  (void)fence.ended(true, {}, at(440ms));
+  fence.not_sent(at(500ms));
+  ASSERT_TRUE(fence.may_send(fence.look_again(at(500ms))));
+  fence.sending(kOwn, at(1000ms));
+  EXPECT_TRUE(fence.doubts_first(-3ms, 1ms)) << "the wire was taken again";
+  (void)fence.ended(true, {}, at(1010ms));
+  fence.sending(kOwn, at(1050ms));
+  EXPECT_FALSE(fence.doubts_first(-3ms, 1ms)) << "a device has responded";
+}
+
+TEST_F(WireFenceTest, TheRequestOfAnotherMasterWithinAnExchangeIsSeenToo) {
+  hold();
+  fence.sending(kOwn, at(450ms));
+  Bytes received{0x01, 0x83};
+  EXPECT_FALSE(fence.came_between(received, at(455ms)));
+  append(received, kForeign);
+  EXPECT_TRUE(fence.came_between(received, at(460ms)));
+  EXPECT_TRUE(fence.listening());
+  EXPECT_FALSE(fence.came_between(received, at(461ms))) << "it listens";
+
+  EXPECT_TRUE(fence.may_send(fence.look_again(at(470ms))));
+  EXPECT_TRUE(fence.sending(kOwn, at(900ms)));
+  EXPECT_FALSE(fence.sending(kOwn, at(910ms))) << "taken back once";
+  EXPECT_TRUE(fence.ended(false, kForeign, at(950ms))) << "instead of a response";
+  EXPECT_TRUE(fence.listening());
+  EXPECT_EQ(fence.foreign_masters(), 2u);
+}
+
+TEST_F(WireFenceTest, ADeviceThatRepeatsItsResponseIsNotAnotherMaster) {
+  const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};  // request or response
+  hold();
+  fence.sending(kOwn, at(450ms));
+  (void)fence.ended(true, write, at(460ms));
+  for (int repeated = 1; repeated <= 5; ++repeated)
+    EXPECT_FALSE(stray(write, at(460ms + repeated * 30ms)));
+  EXPECT_FALSE(fence.listening());
+}
+
+TEST_F(WireFenceTest, WhatCouldBeAResponseCountsForASecond) {
+  const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
+  hold();
+  for (const Duration time : {600ms, 800ms, 1601ms, 1700ms}) {
+    for (Duration before = time - 250ms; before < time; before += 100ms)
+      fence.bytes_came(false, at(before));  // of devices, so that the wire is kept
+    EXPECT_FALSE(stray(write, at(time))) << to_text(time);
+    fence.bytes_came(false, at(time + 200ms));
+    fence.bytes_came(false, at(time + 400ms));
+  }
+  EXPECT_TRUE(stray(write, at(2200ms))) << "the third one within a second";
+}
+
+TEST_F(WireFenceTest, TheTextShowsTheFirstSixteenBytesOfALongRequest) {
+  Bytes write{0x02, 0x10, 0x00, 0x00, 0x00, 0x05, 0x0A, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  append_crc16(write);
+  hold();
+  ASSERT_TRUE(stray(write, at(460ms)));
+  EXPECT_EQ(fence.text(),
+            "another master speaks on the wire: 02 10 00 00 00 05 0A 01 02 03 04 05 06 07 08 09");
+}
+
+TEST_F(WireFenceTest, ARequestBehindMuchNoiseIsFound) {
+  hold();
+  for (int part = 0; part < 20; ++part)
+    EXPECT_FALSE(stray(Bytes(60, 0x55), at(450ms + part * 5ms)));
+  EXPECT_TRUE(stray(kForeign, at(555ms)));
+}
+
+TEST_F(WireFenceTest, ARestInARequestMakesTwoBurstsOfIt) {
+  hold();
+  EXPECT_FALSE(stray(ByteView(kForeign).first(3), at(460ms)));
+  EXPECT_FALSE(stray(ByteView(kForeign).subspan(3), at(481ms))) << "more than 20 ms";
+  EXPECT_FALSE(stray(ByteView(kForeign).first(3), at(510ms)));
+  EXPECT_TRUE(stray(ByteView(kForeign).subspan(3), at(530ms)));
+}
+
 TEST_F(WireFenceTest, OneThatSendsMakesItselfHeard) {
   hold();
   EXPECT_EQ(fence.sign_from(), at(515ms));
   EXPECT_EQ(fence.sign_due(), at(540ms));
+  fence.no_sign(at(530ms));  // there was nothing to read
+  EXPECT_EQ(fence.sign_from(), at(555ms));
+  EXPECT_EQ(fence.sign_due(), at(555ms));
 }
 
 }  // namespace
