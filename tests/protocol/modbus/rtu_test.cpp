@@ -295,5 +295,17 @@ TEST(RtuExchange, RecordsStayWithinTheirLimits) {
   EXPECT_FALSE(pdu_sizes(bit, {.mask_write = true})) << "function 22 is for holding registers";
 }
 
+// 1968 is the limit of the standard: V1.1b3, 6.11. The second frame has 256 bytes, as many as a
+// frame may have.
+TEST(SeenRtuRequest, WritesAtMost1968Coils) {
+  for (const auto& [head, bytes, seen] :
+       {std::tuple{"11 0F 00 00 07 B0 F6", 246u, true}, {"11 0F 00 00 07 B1 F7", 247u, false}}) {
+    Bytes frame = hex(head);
+    frame.resize(frame.size() + bytes);
+    append_crc16(frame);
+    EXPECT_EQ(static_cast<bool>(seen_rtu_request(frame)), seen) << head;
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast::modbus
