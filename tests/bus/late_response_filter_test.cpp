@@ -38,13 +38,21 @@ class LateResponseFilterTest : public testing::Test {
     asked.sent_until = driver_.sent_until();
     return asked;
   }
-  void give_up(Asked asked) {
+  void give_up(Asked asked, Duration longest = {}) {
     Bytes out;
     const Instant now = driver_.deadline();
     (void)driver_.on_timer(now, out);
     (void)driver_.finish();
     const Range range = std::get<ReadRequest>(asked.request).ranges[0];
-    late_.timed_out(std::move(asked), Block{0, {range}, {7}, {}}, 0ms, driver_, now);
+    late_.timed_out(std::move(asked), Block{0, {range}, {7}, {}}, longest, driver_, now);
+  }
+  // A response of one register, which the filter learns.
+  void learn() {
+    const Asked asked = ask(read(100, 1), Instant{});
+    Bytes out;
+    (void)driver_.on_bytes(frame_of({42}), Instant{20ms}, out);
+    (void)driver_.finish();
+    late_.responded(asked, false, 0ms, driver_, Instant{20ms});
   }
   Instant sendable_from(const Request& request, Purpose purpose = Purpose::kRead) const {
     return late_.sendable_from(0, request, purpose);
@@ -124,17 +132,117 @@ TEST_F(LateResponseFilterTest, AResponseThatComesTwicePaysOnce) {
 }
 
 TEST_F(LateResponseFilterTest, ABrokenResponseOfTheRightLengthAndHeadPays) {
-  const Asked well = ask(read(100, 1), Instant{});
+  learn();
   Bytes out;
-  (void)driver_.on_bytes(frame_of({42}), Instant{20ms}, out);
-  (void)driver_.finish();
-  late_.responded(well, false, 0ms, driver_, Instant{20ms});
   const Asked broken = ask(read(100, 1), Instant{100ms});
   Bytes noisy = frame_of({42});
   noisy.back() ^= 1;
   (void)driver_.on_bytes(noisy, Instant{120ms}, out);
   give_up(broken);
   EXPECT_EQ(driver_.cause(), Cause::kChecksum);
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, ABrokenFrameThatMayBeAnothersDoesNotPay) {
+  learn();
+  struct Row {
+    const char* why;
+    Request request;
+    Bytes received;
+  };
+  Bytes other_head = frame_of({42}), short_one = frame_of({42}), two = frame_of({1, 2});
+  other_head[1] = 0x04;
+  other_head.back() ^= 1;
+  short_one.pop_back();
+  two.back() ^= 1;
+  for (const Row& row :
+       {Row{"another head than that of the last response", read(100, 1), other_head},
+        Row{"too short", read(100, 1), short_one},
+        Row{"a read that no response was seen of", read(200, 2), two}}) {
+    const Asked asked = ask(row.request, Instant{100ms});
+    Bytes out;
+    (void)driver_.on_bytes(row.received, Instant{120ms}, out);
+    give_up(asked);
+    EXPECT_FALSE(late_.none_owed()) << row.why;
+    late_.forget_all();
+  }
+}
+
+// Three timeouts of 200 ms, twice the longest response, ten timeouts; and the response itself.
+TEST_F(LateResponseFilterTest, AResponseIsOwedForTwiceTheLongestWithinThreeToTenTimeouts) {
+  const Duration response = setup_.line().characters(7);
+  for (const auto& [longest, bound] : {std::pair{Duration{0ms}, Duration{600ms}},
+                                       {250ms, 600ms},
+                                       {400ms, 800ms},
+                                       {1000ms, 2000ms},
+                                       {5000ms, 2000ms}}) {
+    const Asked asked = ask(read(100, 1), Instant{});
+    const Instant until = asked.sent_until + bound + response;
+    give_up(asked, longest);
+    EXPECT_EQ(late_.owed_until(), until) << to_text(longest);
+    late_.forget_all();
+    late_.broken_off(asked, longest);
+    EXPECT_EQ(late_.owed_until(), until) << to_text(longest);
+    late_.forget_all();
+    (void)driver_.finish();
+  }
+}
+
+TEST_F(LateResponseFilterTest, TheTimeOfALateResponseIsThatOfTheDevice) {
+  const Asked asked = ask(read(100, 1), Instant{});
+  const Instant sent = asked.sent_until;
+  give_up(asked);
+  const Duration response = setup_.line().characters(7);
+  const auto found = late_.in_strays(frame_of({42}), sent + 150ms + response);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].taken, 150ms);
+}
+
+// The timeout is 200 ms and the allowance 20 ms; both wait for the first character.
+TEST_F(LateResponseFilterTest, ValuesCountUntilTheTimeoutAndTheAllowance) {
+  const Duration response = setup_.line().characters(7);
+  for (const auto& [late, counts] :
+       {std::pair{Duration{220ms}, true}, {Duration{220ms} + Duration{1}, false}}) {
+    const Asked asked = ask(read(100, 1), Instant{counts ? 0s : 10s});
+    const Instant sent = asked.sent_until;
+    give_up(asked);
+    const auto found = late_.in_strays(frame_of({42}), sent + late + response);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(!found[0].block.points.empty(), counts) << to_text(late);
+  }
+}
+
+TEST_F(LateResponseFilterTest, AFrameAfterAPauseOfTwoCharactersIsAnotherResponse) {
+  const Duration response = setup_.line().characters(7), pause = setup_.line().characters(2);
+  Instant now{};
+  for (const auto& [rest, responses] : {std::pair{pause, 1u}, {pause - 1ns, 0u}}) {
+    now += 10s;
+    give_up(ask(read(100, 1), now));
+    give_up(ask(read(100, 1), now + 230ms));
+    ASSERT_EQ(late_.in_strays(frame_of({42}), now + 500ms).size(), 1u);
+    EXPECT_EQ(late_.in_strays(frame_of({42}), now + 500ms + rest + response).size(), responses);
+    EXPECT_EQ(late_.none_owed(), responses == 1);
+    late_.forget_all();
+  }
+}
+
+TEST_F(LateResponseFilterTest, ALateResponseIsFoundBehindOtherBytes) {
+  give_up(ask(read(100, 1), Instant{}));
+  EXPECT_TRUE(late_.in_strays(Bytes(ExchangeDriver::kMaxReceived, 0x55), Instant{300ms}).empty());
+  Bytes behind{0x55, 0x55};
+  append(behind, frame_of({42}));
+  EXPECT_TRUE(late_.in_strays(ByteView(behind).first(5), Instant{400ms}).empty());
+  EXPECT_EQ(late_.in_strays(ByteView(behind).subspan(5), Instant{405ms}).size(), 1u);
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, ARefusalIsALateResponseWithoutValues) {
+  give_up(ask(read(100, 1), Instant{}));
+  Bytes refusal{0x01, 0x83, 0x02};
+  append_crc16(refusal);
+  const auto found = late_.in_strays(refusal, Instant{150ms});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].block.points.empty());
   EXPECT_TRUE(late_.none_owed());
 }
 
