@@ -69,6 +69,14 @@ TEST(ReadCost, BridgeEndsWhereAnotherRequestIsCheaper) {
   EXPECT_GT(cost.of({kRegisters, 0, gap + 3}), 2 * one);
 }
 
+// Eight bits are a character, so 18.54 ms of a second request are 142 bits. The range may end with
+// seven bits of another byte.
+TEST(ReadCost, ABridgeOfBitsThatAreReadByWholeBytesIsCountedInBits) {
+  const ReadCost cost(timing(), kBytewise, kLine, 3ms, 512);
+  ASSERT_EQ(kLine.characters(13) + 2ms + 3ms, 18541667ns);
+  EXPECT_EQ(cost.bridge(), 142u + 7u);
+}
+
 TEST(ReadCost, SlowerDevicesBridgeMoreButNeverBeyondTheirLimit) {
   DeviceTiming device = timing();
   ReadCost cost(device, kRegisters, kLine, 3ms, 125);

@@ -43,7 +43,7 @@ std::vector<Cut> cheapest_cuts(std::span<const Point> points, const AreaPoints& 
     bool listed = true;
     for (std::uint32_t last = begin; last < count; ++last) {
       const Point& point = points[own.points[last]];
-      if (point.range.first > range.end() + own.cost.bridge() && last > begin) break;
+      if (point.range.first > range.end() + own.cost.bridge()) break;
       listed = listed &&
                (last == begin || list.joins(range, area, point.range.first, point.range.end()));
       const std::uint32_t end = std::max(range.end(), point.range.end());
@@ -72,8 +72,7 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& ow
   std::vector<Piece> pieces;
   for (std::size_t end = own.points.size(); end > 0; end = best[end].from) {
     if (best[end].alone) continue;
-    const Range& head = points[own.points[best[end].from]].range;
-    Piece piece{{}, {head.area, head.first, 0}};
+    Piece piece{{}, points[own.points[best[end].from]].range};
     for (std::size_t i = best[end].from; i < end; ++i) {
       const Point& point = points[own.points[i]];
       piece.points.push_back(own.points[i]);
