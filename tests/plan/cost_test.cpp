@@ -59,6 +59,7 @@ TEST(ReadCost, WindowsAreReadWhole) {
   EXPECT_EQ(cost.cover(20, 22), (Range{kWindow, 0, 64}));
   EXPECT_TRUE(cost.fits({kWindow, 0, 64}));
   EXPECT_EQ(cost.of({kWindow, 0, 64}), kLine.characters(13 + 64) + 5ms);
+  EXPECT_EQ(cost.bridge(), 64u) << "one request for all of them";
 }
 
 TEST(ReadCost, BridgeEndsWhereAnotherRequestIsCheaper) {
