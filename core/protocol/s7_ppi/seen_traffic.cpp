@@ -53,11 +53,7 @@ class PpiExplainer {
       case 0xF9:  // sent by some CPUs after STOP and RUN
         writer_.add(at, 1, "acknowledge", "F9 done");
         return 1;
-      case kMarkToken:
-        if (bytes.size() < 3) break;
-        writer_.add(at, 3, "token",
-                    "to " + std::to_string(bytes[1]) + " from " + std::to_string(bytes[2]));
-        return 3;
+      case kMarkToken: return token(at, bytes);
       case kMarkShort: return short_telegram(at, bytes);
       case kMarkLong: return long_telegram(at, bytes);
       default: break;
@@ -77,6 +73,16 @@ class PpiExplainer {
     writer_.add(at, 1, "to", std::to_string(bytes[0]));
     writer_.add(at + 1, 1, "from", std::to_string(bytes[1]));
     writer_.add(at + 2, 1, "control", control_text(bytes[2]));
+  }
+
+  std::size_t token(std::size_t at, ByteView bytes) {
+    if (bytes.size() < 3) {
+      writer_.add(at, bytes.size(), "token", to_hex(bytes), "three bytes are needed");
+      return bytes.size();
+    }
+    writer_.add(at, 3, "token",
+                "to " + std::to_string(bytes[1]) + " from " + std::to_string(bytes[2]));
+    return 3;
   }
 
   std::size_t short_telegram(std::size_t at, ByteView bytes) {
