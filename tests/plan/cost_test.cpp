@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/plan/refresh.hpp"
+#include "core/plan/wire_model.hpp"
 #include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast {
@@ -97,6 +98,32 @@ TEST(ReadCost, DeviceLimitHoldsForBlocksAndNotForSinglePoints) {
   EXPECT_FALSE(cost.fits({kRegisters, 0, 9}));
   EXPECT_TRUE(cost.of_single({kRegisters, 0, 9}));
   EXPECT_FALSE(cost.of_single({kRegisters, 0, 126}));
+}
+
+// A read of one register has 15 characters. Points are ordered by device, area and address.
+TEST(PlannedPoints, ARefreshBelowTheWireTimeOfItsReadIsRaisedToIt) {
+  ScheduleInput input;
+  input.line = kLine;
+  input.silence = 3ms;
+  for (const Duration response : {2ms, 200ms, 400ms, 600ms}) {
+    input.devices.push_back(timing());
+    input.devices.back().response_time = response;
+  }
+  const auto add = [&](DeviceIndex device, std::uint32_t first, Duration refresh) {
+    input.points.push_back({.device = device, .range = {kRegisters, first, 1}, .refresh = refresh});
+  };
+  add(3, 7, 100ms);
+  add(2, 5, 100ms);
+  add(1, 2, 1s);
+  add(1, 1, 100ms);
+  add(0, 0, 100ms);
+  const WireModel wire(input, Planner::kCyclic);
+  std::vector<Duration> refreshes;
+  for (const PlannedPoint& each : planned_points(input, wire.layout))
+    refreshes.push_back(each.refresh);
+  const Duration request = kLine.characters(15) + 3ms;
+  EXPECT_EQ(refreshes,
+            (std::vector<Duration>{100ms, request + 200ms, 1s, request + 400ms, request + 600ms}));
 }
 
 PlannedPoint point(int priority, float elasticity = 1) {
