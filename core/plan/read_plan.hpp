@@ -88,8 +88,6 @@ struct ReadPlan {
   friend bool operator==(const ReadPlan&, const ReadPlan&) = default;
 };
 
-[[nodiscard]] std::string to_text(const ReadPlan& plan);
-
 // Summary of a ReadPlan (read_plan.hpp) for users and stations. Plain value.
 struct PlanReport {
   struct Point {

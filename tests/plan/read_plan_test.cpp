@@ -1,6 +1,5 @@
 #include "core/plan/read_plan.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/plan/planner.hpp"
@@ -10,7 +9,6 @@ namespace fieldcast {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::HasSubstr;
 
 using test::kFakeProtocol;
 
@@ -74,14 +72,6 @@ TEST(ReadPlan, WhatHasNoPeriodHasNoWorstGap) {
   EXPECT_FALSE(plan.points[3].worst_gap);
   EXPECT_GT(plan.groups[1].load, 0);
   EXPECT_FALSE(plan_of(drawn(), Planner::kFastestMember).points[0].worst_gap) << "no timetable";
-}
-
-TEST(ReadPlan, IsPrintedWithALineForEachGroupAndPoint) {
-  const std::string text = to_text(plan_of(drawn()));
-  EXPECT_THAT(text, HasSubstr("slots of "));
-  EXPECT_THAT(text, HasSubstr("group 1 of device 0"));
-  EXPECT_THAT(text, HasSubstr("point 3: every "));
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 2 + 4);
 }
 
 }  // namespace
