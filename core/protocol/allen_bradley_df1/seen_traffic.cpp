@@ -107,7 +107,7 @@ class Df1Explainer {
     field(1, "bytes", std::to_string(data_[read_]));
     if (!number("file") || left() == 0) return size;
     const auto row = std::ranges::find(file_rows(), data_[read_], &FileRow::code);
-    const std::string_view name = row == file_rows().end() ? "" : row->name;
+    const std::string_view name = row == file_rows().end() ? "unknown" : row->name;
     field(1, "type", hex(data_[read_]) + ' ' + std::string(name));
     if (!number("element") || !number("sub-element")) return size;
     if (masked && left() >= 2) field(2, "mask", to_hex(data_.subspan(read_, 2)));
