@@ -71,6 +71,27 @@ TEST_P(Facts, AreAsWritten) {
   EXPECT_EQ(facts(*GetParam()), whole.str());
 }
 
+// The wait for a response, and the search for its end in broken bytes, use the length that start()
+// returns. Requests of several rounds begin with a greeting, a poll or an acknowledgement.
+TEST_P(Facts, TheFirstSendExpectsAResponseOfTheSizeThatIsPlanned) {
+  for (const ProtocolVariant& variant : GetParam()->variants) {
+    DeviceLink link{.address = 1};
+    for (const auto& [name, value] : variant.options) link.options.emplace(name, value);
+    const auto protocol = std::move(*GetParam()->make(link));
+    for (const std::string_view at : variant.addresses) {
+      const auto parsed = protocol->parse_address(at);
+      if (!parsed) continue;
+      const Request read = ReadRequest{{{parsed->area, parsed->first, 1}}};
+      const auto size = protocol->size(read);
+      if (!size || size->rounds != 1) continue;
+      Bytes sent;
+      const Step step = protocol->begin(read, {1})->start(sent);
+      if (sent.size() != size->request_characters) continue;
+      EXPECT_EQ(step.characters, size->response_characters) << at;
+    }
+  }
+}
+
 std::vector<const ProtocolEntry*> entries() {
   std::vector<const ProtocolEntry*> all;
   for (const ProtocolEntry& entry : protocols()) all.push_back(&entry);
