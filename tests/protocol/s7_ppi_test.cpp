@@ -2,6 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/families/registry.hpp"
+#include "core/protocol/s7_ppi/telegram.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
 #include "tests/support/text_cases.hpp"
@@ -190,6 +191,48 @@ TEST(PpiVectors, ExplanationsFindTheFaults) {
 const Bytes kAck{0xE5};
 // VB100..102 = 99 34 56, captured.
 const Bytes kAnswer = hex("68181868 0002 08 320300000000000200070000 0401 FF040018 993456 8B 16");
+
+// EN 50170 (FDL), part 3, 4.6: start, the length twice, start; sum and 16. A telegram has at most
+// 255 bytes.
+TEST(PpiTelegram, IsRecognizedByItsHeadAndItsEnd) {
+  using Kind = s7_ppi::Telegram::Kind;
+  struct Row {
+    std::string_view bytes;
+    Kind kind;
+    std::size_t size;  // of the telegram; 1: the search continues with the next byte
+  };
+  for (const Row& row : {Row{"68", Kind::kOpen, 9},
+                         {"68 04", Kind::kOpen, 9},
+                         {"68 04 04", Kind::kOpen, 9},
+                         {"68 04 04 68", Kind::kOpen, 10},
+                         {"68 03", Kind::kOpen, 9},
+                         {"68 02", Kind::kNoise, 1},
+                         {"68 F9", Kind::kOpen, 9},
+                         {"68 FA", Kind::kNoise, 1},
+                         {"68 04 05", Kind::kNoise, 1},
+                         {"68 04 04 69", Kind::kNoise, 1},
+                         {"68 04 04 68 02 00 6C 32 A0", Kind::kOpen, 10},
+                         {"68 04 04 68 02 00 6C 32 A0 16", Kind::kLong, 10},
+                         {"68 04 04 68 02 00 6C 32 A0 16 E5", Kind::kLong, 10},
+                         {"68 04 04 68 02 00 6C 32 A1 16", Kind::kBroken, 1},
+                         {"68 04 04 68 02 00 6C 32 A0 17", Kind::kBroken, 1},
+                         {"10", Kind::kOpen, 6},
+                         {"10 02 00 5C 5E", Kind::kOpen, 6},
+                         {"10 02 00 5C 5E 16", Kind::kShort, 6},
+                         {"10 02 00 5C 5F 16", Kind::kBroken, 1},
+                         {"10 02 00 5C 5E 17", Kind::kBroken, 1},
+                         {"DC", Kind::kOpen, 3},
+                         {"DC 7E", Kind::kOpen, 3},
+                         {"DC 7F", Kind::kNoise, 1},
+                         {"DC 7E 7F", Kind::kNoise, 1},
+                         {"DC 7E 7E", Kind::kToken, 3},
+                         {"E5", Kind::kAcknowledge, 1},
+                         {"16", Kind::kNoise, 1}}) {
+    const s7_ppi::Telegram telegram = s7_ppi::parse_telegram(*from_hex(row.bytes));
+    EXPECT_EQ(telegram.kind, row.kind) << row.bytes;
+    EXPECT_EQ(telegram.size, row.size) << row.bytes;
+  }
+}
 
 TEST(PpiExchange, AcknowledgeIsFollowedByPollAfterARest) {
   const Device device = plc(2, {{"poll-delay-ms", "25"}});

@@ -295,6 +295,61 @@ TEST(RtuExchange, RecordsStayWithinTheirLimits) {
   EXPECT_FALSE(pdu_sizes(bit, {.mask_write = true})) << "function 22 is for holding registers";
 }
 
+// The response has 11 bytes. In doubt, the wait is for eight more at most; each byte restarts it.
+TEST(RtuExchange, AnIncompleteFrameIsWaitedForAsLongAsItsFieldsSay) {
+  struct Row {
+    const char* what;
+    std::string_view received;
+    std::uint32_t missing;
+  };
+  for (const Row& row : {Row{"the unit", "11", 10},
+                         {"the function", "11 03", 9},
+                         {"the response", "11 03 06", 8},
+                         {"all but a byte", "11 03 06 AE 41 56 52 43 40 49", 1},
+                         {"an exception", "11 83", 3},
+                         {"its code", "11 83 02", 2},
+                         {"another length", "11 03 20 AE", 8},
+                         {"a shorter one", "11 03 02 AE", 3},
+                         {"of another unit", "12 03 06 AE", 7},
+                         {"a long one of it", "12 03 20 AE", 8},
+                         {"an exception of it", "12 83", 3},
+                         {"behind noise", "F9 11 03 06", 8},
+                         {"an exception there", "F9 11 83", 3}}) {
+    ModbusExchange exchange = classic();
+    Bytes out;
+    (void)exchange.start(out);
+    const Step step = exchange.on_bytes(hex(row.received), out);
+    EXPECT_EQ(step.wait, Wait::kRestOfFrame) << row.what;
+    EXPECT_EQ(step.characters, row.missing) << row.what;
+  }
+}
+
+// ':', 22 digits and CR LF. The wait counts characters, two for each byte.
+TEST(AsciiExchange, AnIncompleteFrameIsWaitedForAsLongAsTheResponseIs) {
+  struct Row {
+    std::string_view received;
+    std::uint32_t missing;
+  };
+  for (const Row& row : {Row{":", 22},
+                         {":1", 21},
+                         {":1103", 18},
+                         {":110306AE415652434", 5},
+                         {":110306AE41565243402D\r", 1},
+                         {":1183", 6},
+                         {":118302", 4},
+                         {"xx:1103", 18},
+                         {":1103:", 22},
+                         {":110306AE41565243402D0000", 1}}) {
+    ModbusExchange exchange{ascii_framing(), Header{17, 0}, read(Table::kHolding, 107, 3), {}};
+    Bytes out;
+    (void)exchange.start(out);
+    const Bytes received(row.received.begin(), row.received.end());
+    const Step step = exchange.on_bytes(received, out);
+    EXPECT_EQ(step.wait, Wait::kRestOfFrame) << row.received;
+    EXPECT_EQ(step.characters, row.missing) << row.received;
+  }
+}
+
 // 1968 is the limit of the standard: V1.1b3, 6.11. The second frame has 256 bytes, as many as a
 // frame may have.
 TEST(SeenRtuRequest, WritesAtMost1968Coils) {
