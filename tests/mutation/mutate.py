@@ -3,10 +3,10 @@
 usage: mutate.py [--mutants N] [--seed S] [--minutes M] [--under core/PART] [--jobs J] [--folder DIR]
 
 All mutants are compiled into one tree, DIR/tree, and FIELDCAST_MUTANT=K switches mutant K on: an operator, a constant, a condition or a
-removed statement. A mutant that does not compile does not count. Each program runs those of its tests that evaluate the mutant, until one
-fails; the mutant is then killed, also by a crash or by ten times the usual time. Survivors are printed with place and rule; the last line is
-one JSON object. --minutes ends the run early: the order is random, so that the share of the mutants that ran stays an estimate. A second
-run continues where the first ended, unless a program was built again: outcomes are in DIR/outcomes.
+removed statement. A mutant that does not compile does not count. Each program runs those of its tests that evaluate the mutant (all of
+them if it is only one), until one fails; the mutant is then killed, also by a crash or by ten times the usual time. Survivors are printed
+with place and rule; the last line is one JSON object. --minutes ends the run early: the order is random, so that the share of the mutants
+that ran stays an estimate. A second run continues where the first ended, unless a program was built again: outcomes are in DIR/outcomes.
 """
 
 import argparse
@@ -148,6 +148,9 @@ def measure(folder):
             # 128 KiB is the longest argument. "*" includes what runs before the first test.
             some = len(names) < 100000 and "*" not in tests
             runs[number].append(Run(program, names if some else "*", sum(tests.values()) if some else whole))
+            # The first test that needs a static value computes it; other tests may compare it.
+            if some and len(tests) == 1:
+                runs[number].append(Run(program, "*", whole))
     return runs
 
 
