@@ -208,6 +208,36 @@ TEST(ChannelTable, OnDemandChannelsAreNeverLate) {
   EXPECT_EQ(out[0].quality, Quality::kNotYetRead);
 }
 
+// DDS declares one type for each channel, from its first sample on.
+TEST(ChannelTable, AValueThatWasNeverReadHasTheTypeOfItsChannel) {
+  struct Row {
+    Encoding encoding;
+    Value zero;
+  };
+  const std::vector<Row> rows{{{.type = ValueType::kBool}, false},
+                              {{.type = ValueType::kUint16}, std::uint64_t{0}},
+                              {{.type = ValueType::kInt8}, std::int64_t{0}},
+                              {{.type = ValueType::kInt16}, std::int64_t{0}},
+                              {{.type = ValueType::kInt32}, std::int64_t{0}},
+                              {{.type = ValueType::kInt64}, std::int64_t{0}},
+                              {{.type = ValueType::kInt16, .scale = 0.1}, 0.0},
+                              {{.type = ValueType::kFloat32}, 0.0},
+                              {{.type = ValueType::kFloat64}, 0.0},
+                              {{.type = ValueType::kString, .string_bytes = 4}, std::string{}}};
+  std::vector<ChannelSpec> channels;
+  for (const Row& row : rows) {
+    channels.push_back(channel("c" + std::to_string(channels.size()), 0s));
+    channels.back().encoding = row.encoding;
+    channels.back().mode = Mode::kOnDemand;
+  }
+  const BusSpec bus = one_device(channels);
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.not_yet_read(out);
+  ASSERT_EQ(out.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(out[i].value, rows[i].zero) << i;
+}
+
 TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
   const BusSpec bus = one_device({channel("slow", 1s), channel("dead", 1s), channel("leased", 1s)});
   ChannelTable table(bus);

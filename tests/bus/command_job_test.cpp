@@ -301,6 +301,22 @@ TEST_F(RawCommandTest, AWriteTouchesNoMoreThanTheAddressNames) {
             "type uint16 has 16 bits, 'VB10' has 8; allowed: a type of 8 bits");
 }
 
+TEST_F(RawCommandTest, ACommandHasUpToAThousandValuesAndTwoThousandOfTheGateway) {
+  use("modbus-rtu");
+  const auto cause = [&](std::uint32_t count, bool gateway) {
+    Command command = raw_read("holding:0", {}, count);
+    command.gateway = gateway;
+    const auto job = make(command);
+    return job ? Cause::kNone : job.error().cause;
+  };
+  EXPECT_EQ(cause(1, false), Cause::kNone);
+  EXPECT_EQ(cause(0, false), Cause::kRange);
+  EXPECT_EQ(cause(1000, false), Cause::kNone);
+  EXPECT_EQ(cause(1001, false), Cause::kRange);
+  EXPECT_EQ(cause(2000, true), Cause::kNone);
+  EXPECT_EQ(cause(2001, true), Cause::kRange);
+}
+
 TEST_F(RawCommandTest, SkippedValuesAreNotRead) {
   const auto range = [&](const char* at, ValueType type, std::uint32_t skip, std::uint32_t count) {
     Command command = raw_read(at, {type}, count);

@@ -241,6 +241,47 @@ TEST_F(CommandQueueTest, TheBytesOfARequesterAreLimited) {
   EXPECT_TRUE(results().empty()) << "the room is free again";
 }
 
+TEST_F(CommandQueueTest, TheBytesOfAllRequestersAreLimitedAndTheLargestGivesWay) {
+  const std::string a(20000, 'a'), b(20000, 'b'), c(20000, 'c');
+  for (const std::string& name : {a, b}) {
+    for (std::size_t i = 0; i < 190; ++i) accept(of(name, write("r0", 1)));
+  }
+  ASSERT_TRUE(results().empty());
+  std::size_t room = 0;
+  for (;; ++room) {
+    accept(of(c, write("r0", 1)));
+    if (!actions_.empty()) break;
+  }
+  EXPECT_LE((380 + room) * c.size(), CommandQueue::kMaxBytes);
+  EXPECT_GT((381 + room) * (c.size() + 2000), CommandQueue::kMaxBytes);
+  std::vector<std::string> refused;
+  for (int i = 0; i < 3; ++i) {
+    const auto all = results();
+    ASSERT_EQ(all.size(), 1u) << "each is as long as the other";
+    refused.push_back(all[0].requester.substr(0, 1));
+    EXPECT_EQ(all[0].cause, Cause::kQueueFull);
+    accept(of(c, write("r0", 1)));
+  }
+  EXPECT_EQ(refused, (std::vector<std::string>{"b", "a", "b"}));
+}
+
+TEST_F(CommandQueueTest, CommandsThatWereServedByAResponseLeaveTheirRoom) {
+  const std::string name(20000, 'x');
+  for (int time = 0; time < 3; ++time) {
+    for (int i = 0; i < 150; ++i) {
+      Command command = of(name, acquire("r0"));
+      command.target = AddressTarget{"holding:100", {}};
+      command.gateway = true;
+      accept(command);
+    }
+    EXPECT_TRUE(results().empty()) << time;
+    queue_.read(0, {{test::kHolding, 100, 1}, {0, 1}, Instant{1s}, Instant{1s}}, Instant{1s},
+                sink_);
+    EXPECT_EQ(results().size(), 150u);
+    queue_.written(0);  // the response is not kept
+  }
+}
+
 TEST_F(CommandQueueTest, WritesThatTouchTravelInOneRequestAndHaveAResultEach) {
   accept(write("r0", 10));
   accept(write("r1", 11, "unit-2"));

@@ -191,6 +191,55 @@ TEST_F(DeviceMonitorTest, ADeviceWithoutPointsIsNeverProbed) {
   EXPECT_FALSE(probe(Instant{100s}));
 }
 
+// A read that lets other bridges hear this one: the shortest of a healthy device.
+struct SignTest : DeviceMonitorTest {
+  SignTest() {
+    learn(0, 100ms);
+    learn(1, 5ms);
+  }
+  void learn(DeviceIndex device, Duration response) {
+    for (int i = 0; i < 4; ++i) both_.learn(device, kRead, response);
+  }
+  void make_sick(DeviceIndex device) {
+    for (int i = 0; i < 3; ++i)
+      both_.tried({device, Cause::kChecksum, 1s, Instant{1s}, {}, {}}, Instant{1s}, sink_);
+    both_.defer_if_sick(device, 200ms, Instant{1s});
+  }
+  std::optional<DeviceIndex> sign(std::optional<DeviceIndex> waits = {}) const {
+    const auto gate = [=](DeviceIndex device, const Request&) {
+      return device == waits ? Instant{3s} : kLongAgo;
+    };
+    const auto found = both_.sign(Instant{2s}, gate);
+    return found ? std::optional(found->device) : std::nullopt;
+  }
+  const Range range_{kHolding, 100, 1};
+  DeviceMonitor both_{setup_, {range_, range_}};
+};
+
+TEST_F(SignTest, IsTheShortestRead) {
+  EXPECT_EQ(sign(), DeviceIndex{1});
+  EXPECT_EQ(both_.sign(Instant{2s}, [](DeviceIndex, const Request&) { return kLongAgo; })->timeout,
+            setup_.wire_time(1, kRead) + 5ms + setup_.silence());
+}
+
+TEST_F(SignTest, OfADeviceThatOwesAResponseWaits) {
+  EXPECT_EQ(sign(DeviceIndex{1}), DeviceIndex{0});
+}
+
+TEST_F(SignTest, OfASickDeviceIsSentOnlyIfNoOtherIsHealthy) {
+  make_sick(1);
+  EXPECT_EQ(sign(), DeviceIndex{0});
+  EXPECT_EQ(sign(DeviceIndex{0}), DeviceIndex{1});
+  make_sick(0);
+  EXPECT_EQ(sign(), DeviceIndex{1}) << "the shorter one of two";
+}
+
+TEST_F(SignTest, OfADeviceAfterASickOneIsPreferred) {
+  make_sick(0);
+  learn(1, 150ms);
+  EXPECT_EQ(sign(), DeviceIndex{1});
+}
+
 TEST(DeviceHealth, SilenceTakesItOffline) {
   DeviceHealth health;
   EXPECT_TRUE(health.responded());

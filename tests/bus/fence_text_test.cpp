@@ -80,5 +80,40 @@ TEST(FenceTimes, OfAProtocolWhoseResponsesShowNothingAreLonger) {
   EXPECT_EQ(fence_times(bus).quiet, 620ms);
 }
 
+// The pause between acknowledgement and poll of PPI is 10 ms; a device may need one of its own.
+TEST(FenceTimes, CountThePausesOfAnExchange) {
+  BusSpec bus = bus_with(serial(Fence::kListen), "s7-ppi");
+  bus.devices.front().channels.front().range = {0, 0, 1};
+  EXPECT_EQ(fence_times(bus).quiet, 230ms);
+  bus.devices.front().pause = 50ms;
+  EXPECT_EQ(fence_times(bus).quiet, 280ms);
+}
+
+TEST(FenceText, AFenceOfAServerIsNamedForEveryProtocol) {
+  for (const Fence fence : {Fence::kListen, Fence::kOneClient}) {
+    const FenceText of_server = fence_text(bus_with(tcp(fence, false), "modbus-tcp"));
+    EXPECT_FALSE(of_server.missing);
+    EXPECT_EQ(of_server.text.find("none"), std::string::npos) << of_server.text;
+  }
+}
+
+// Drivers of RS-485 that change their direction add 00 or FF.
+TEST(RequestFinder, AFrameMayFollowCharactersOfATurnaround) {
+  const RequestFinder finder(bus_with(serial(Fence::kListen), "modbus-rtu"));
+  const Bytes response{0x02, 0x03, 0x04, 0x00, 0x00, 0x00, 0x00, 0xC9, 0x33};
+  const auto is_frame_behind = [&](Bytes before) {
+    append(before, response);
+    return finder.is_frame(before);
+  };
+  EXPECT_TRUE(is_frame_behind({}));
+  EXPECT_TRUE(is_frame_behind({0x00}));
+  EXPECT_TRUE(is_frame_behind({0xFF}));
+  EXPECT_TRUE(is_frame_behind({0xFF, 0x00, 0x00}));
+  EXPECT_FALSE(is_frame_behind({0x55}));
+  EXPECT_FALSE(finder.is_frame({}));
+  EXPECT_FALSE(finder.is_frame(Bytes(8, 0x00)));
+  EXPECT_FALSE(finder.is_frame(ByteView(response).first(8)));
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -297,24 +297,24 @@ TEST(RtuExchange, RecordsStayWithinTheirLimits) {
 
 // The response has 11 bytes. In doubt, the wait is for eight more at most; each byte restarts it.
 TEST(RtuExchange, AnIncompleteFrameIsWaitedForAsLongAsItsFieldsSay) {
-  struct Row {
+  struct Part {
     const char* what;
     std::string_view received;
     std::uint32_t missing;
   };
-  for (const Row& row : {Row{"the unit", "11", 10},
-                         {"the function", "11 03", 9},
-                         {"the response", "11 03 06", 8},
-                         {"all but a byte", "11 03 06 AE 41 56 52 43 40 49", 1},
-                         {"an exception", "11 83", 3},
-                         {"its code", "11 83 02", 2},
-                         {"another length", "11 03 20 AE", 8},
-                         {"a shorter one", "11 03 02 AE", 3},
-                         {"of another unit", "12 03 06 AE", 7},
-                         {"a long one of it", "12 03 20 AE", 8},
-                         {"an exception of it", "12 83", 3},
-                         {"behind noise", "F9 11 03 06", 8},
-                         {"an exception there", "F9 11 83", 3}}) {
+  for (const Part& row : {Part{"the unit", "11", 10},
+                          {"the function", "11 03", 9},
+                          {"the response", "11 03 06", 8},
+                          {"all but a byte", "11 03 06 AE 41 56 52 43 40 49", 1},
+                          {"an exception", "11 83", 3},
+                          {"its code", "11 83 02", 2},
+                          {"another length", "11 03 20 AE", 8},
+                          {"a shorter one", "11 03 02 AE", 3},
+                          {"of another unit", "12 03 06 AE", 7},
+                          {"a long one of it", "12 03 20 AE", 8},
+                          {"an exception of it", "12 83", 3},
+                          {"behind noise", "F9 11 03 06", 8},
+                          {"an exception there", "F9 11 83", 3}}) {
     ModbusExchange exchange = classic();
     Bytes out;
     (void)exchange.start(out);
@@ -326,20 +326,20 @@ TEST(RtuExchange, AnIncompleteFrameIsWaitedForAsLongAsItsFieldsSay) {
 
 // ':', 22 digits and CR LF. The wait counts characters, two for each byte.
 TEST(AsciiExchange, AnIncompleteFrameIsWaitedForAsLongAsTheResponseIs) {
-  struct Row {
+  struct Part {
     std::string_view received;
     std::uint32_t missing;
   };
-  for (const Row& row : {Row{":", 22},
-                         {":1", 21},
-                         {":1103", 18},
-                         {":110306AE415652434", 5},
-                         {":110306AE41565243402D\r", 1},
-                         {":1183", 6},
-                         {":118302", 4},
-                         {"xx:1103", 18},
-                         {":1103:", 22},
-                         {":110306AE41565243402D0000", 1}}) {
+  for (const Part& row : {Part{":", 22},
+                          {":1", 21},
+                          {":1103", 18},
+                          {":110306AE415652434", 5},
+                          {":110306AE41565243402D\r", 1},
+                          {":1183", 6},
+                          {":118302", 4},
+                          {"xx:1103", 18},
+                          {":1103:", 22},
+                          {":110306AE41565243402D0000", 1}}) {
     ModbusExchange exchange{ascii_framing(), Header{17, 0}, read(Table::kHolding, 107, 3), {}};
     Bytes out;
     (void)exchange.start(out);
