@@ -168,6 +168,14 @@ TEST(HostLink, SizesAreExact) {
   EXPECT_FALSE(device.protocol().size(device.read("DM9999", 2)).has_value());
 }
 
+// EM AREA READ and WRITE have the number of the bank before the word.
+TEST(HostLink, EmIsReadAndWrittenWithItsBank) {
+  const Device device = plc();
+  EXPECT_EQ(device.request_bytes(device.read("EM1_100", 2)), framed("@00RE0101000002"));
+  EXPECT_EQ(device.request_bytes(device.read("EM9_9999")), framed("@00RE0999990001"));
+  EXPECT_EQ(device.request_bytes(device.write("E0_7", "ABCD")), framed("@00WE000007ABCD"));
+}
+
 TEST(HostLink, ALongWriteWaitsForEachDelimiter) {
   const Device device = plc();
   std::string words;
