@@ -40,6 +40,20 @@ TEST(ChannelTable, EverySampleCarriesItsSequenceAndArrival) {
   EXPECT_EQ(std::get<std::uint64_t>(out[1].value), 7u);
 }
 
+// Regression: a late response and the next one arrived together, and two samples had one time.
+TEST(ChannelTable, OfResponsesThatArriveTogetherTheLaterHasALaterTime) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  for (const std::uint16_t value : {7, 8, 9}) table.acquired(0, 16, items(value), Instant{1s}, out);
+  table.acquired(0, 16, items(10), Instant{2s}, out);
+  ASSERT_EQ(out.size(), 4u);
+  EXPECT_EQ(out[0].acquired, Instant{1s});
+  EXPECT_EQ(out[1].acquired, Instant{1s + 1ns});
+  EXPECT_EQ(out[2].acquired, Instant{1s + 2ns});
+  EXPECT_EQ(out[3].acquired, Instant{2s});
+}
+
 // Regression: the text "+025.00" was read as the float 6.26e-13 with quality GOOD.
 TEST(ChannelTable, TextThatSpellsNoNumberIsBadRangeAndKeepsTheLastValue) {
   BusSpec bus = one_device({channel("a", 1s)});

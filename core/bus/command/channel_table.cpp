@@ -1,5 +1,6 @@
 #include "core/bus/command/channel_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fieldcast {
@@ -152,7 +153,7 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   entry.last.value = std::move(*value);
   entry.last.quality = Quality::kGood;
   entry.last.device_code = 0;
-  entry.last.acquired = acquired;
+  entry.last.acquired = std::max(acquired, entry.last.acquired + Duration{1});
   publish(entry, out, acquired);
 }
 

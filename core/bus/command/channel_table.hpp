@@ -48,7 +48,8 @@ class ChannelTable {
   [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);
 
-  // Appends a sample unless the deadband holds it back.
+  // Appends a sample unless the deadband holds it back. Its time is later than that of the last
+  // value, at least by a nanosecond: responses that arrived together have the same time.
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                 std::vector<Sample>& out);
   // Appends a sample of the last value: the response has none of this channel, by `cause`.
