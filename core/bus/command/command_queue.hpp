@@ -72,7 +72,8 @@ class CommandQueue {
   [[nodiscard]] const Command* first() const {
     return waiting_.empty() ? nullptr : &waiting_.front().job.command();
   }
-  // A write was begun: its next request follows immediately. Reads may come between those of a read.
+  // A write was begun: its next request follows immediately. Reads may come between requests of a
+  // read.
   [[nodiscard]] bool keeps_wire() const {
     return begun_ && first()->operation == Operation::kWrite;
   }
