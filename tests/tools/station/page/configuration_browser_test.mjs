@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { afterEach, beforeEach, test } from 'node:test';
-import { chromiumPath, clipped, startBrowser, until } from './browser.mjs';
+import { chromiumPath, clipped, settled, startBrowser, until } from './browser.mjs';
 import { firstText, versionOf } from './mock_configuration.mjs';
 import { startMock } from './mock_station.mjs';
 
@@ -163,6 +163,23 @@ test('a form changes its value in the text and leaves comments alone; undo takes
   await button(page, 'Undo').click();
   assert.equal(await text(page), firstText);
   assert.equal(await button(page, 'Undo').isDisabled(), true);
+});
+
+test('what is typed into a form stays while results arrive', { skip }, async () => {
+  const page = await open();
+  await cursorBehind(page, 'name: device-01, address');
+  await page.locator('.side details.more summary').first().click();
+  const result = page.waitForResponse((response) => response.url().includes('/api/configuration/check'));
+  await page.fill('#key-buses-0-devices-0-address', '17');
+  await page.locator('#key-buses-0-devices-0-address').press('Enter');
+  await page.fill('#key-buses-0-devices-0-timeout', '300ms');
+  await result;
+  await settled(page);
+  assert.equal(await page.inputValue('#key-buses-0-devices-0-timeout'), '300ms');
+  await page.locator('#key-buses-0-devices-0-timeout').press('Enter');
+  await until(async () => (await text(page)).includes(', timeout: 300ms }'), 'the new key');
+  await button(page, 'Undo').click();
+  assert.equal(await page.inputValue('#key-buses-0-devices-0-timeout'), '');
 });
 
 test('a new key of the schema is in the form and in the proposals by itself', { skip }, async () => {

@@ -25,6 +25,14 @@ export interface Form {
 const idOf = (path: Path): string => `key-${path.join('-').replace(/[^\w-]/g, '_')}`;
 export const keyOf = (path: Path): string => path.join('\n');
 
+// Inputs with text that is not part of the draft yet. A new view keeps this text: results arrive while somebody types.
+const typed = new WeakSet<Element>();
+
+function shownIn(id: string, value: string): string {
+  const element = document.getElementById(id);
+  return element && typed.has(element) ? (element as HTMLInputElement).value : value;
+}
+
 // The value of a field; undefined if its text has several lines.
 function valueOf(text: string, child: Child | undefined, field: Field): string | undefined {
   const { node } = child ?? {};
@@ -36,7 +44,12 @@ function valueOf(text: string, child: Child | undefined, field: Field): string |
 
 function input(form: Form, field: Field, path: Path, value: string, why: string | undefined): TemplateResult {
   const id = idOf(path), { schema } = field;
-  const change = (event: Event): void => form.set(path, (event.target as HTMLInputElement).value.trim(), field);
+  const typing = (event: Event): void => { typed.add(event.target as Element); };
+  const left = (event: Event): void => { typed.delete(event.target as Element); };
+  const change = (event: Event): void => {
+    left(event);
+    form.set(path, (event.target as HTMLInputElement).value.trim(), field);
+  };
   const about = `${id}-about`, off = why !== undefined;
   if (field.kind === 'choice' || field.kind === 'switch') {
     const choices = field.kind === 'switch' ? ['true', 'false'] : field.choices;
@@ -47,7 +60,7 @@ function input(form: Form, field: Field, path: Path, value: string, why: string 
   return html`<input id=${id} aria-describedby=${about} aria-required=${field.required} autocomplete="off" spellcheck="false"
       type=${field.kind === 'number' ? 'number' : 'text'} step="any" min=${schema.minimum ?? nothing} max=${schema.maximum ?? nothing}
       maxlength=${field.kind === 'text' && schema.maxLength ? schema.maxLength : nothing} list=${field.choices.length ? `${id}-list` : nothing}
-      .value=${live(value)} ?disabled=${off} @change=${change}>
+      .value=${live(shownIn(id, value))} ?disabled=${off} @input=${typing} @change=${change} @blur=${left}>
     ${field.choices.length ? html`<datalist id=${`${id}-list`}>${field.choices.map((each) => html`<option value=${each}></option>`)}</datalist>` : nothing}`;
 }
 
