@@ -239,11 +239,11 @@ class Disk(ForwardCase):
                       if number > min(found[channel]) and number not in found[channel])
 
     def settle(self):
-        """Waits until everything that the reference has now is in the stream."""
+        """Ends the reference, and waits until everything that it has is in the stream."""
+        self.reference.stop()
         last = {channel: max(samples) for channel, samples in self.reference.samples().items()}
         wait_until(lambda: all(max(self.arrived().get(channel, {0})) >= number for channel, number in last.items()), 30,
                    lambda: self.fc.log()[-4000:])
-        self.reference.stop()
         self.assertEqual(self.fc.stop(), 0, self.fc.log()[-4000:])
 
     def test_on_a_full_disk_samples_wait_in_memory(self):
