@@ -117,7 +117,8 @@ class DdsLink {
   void publish_again(std::string_view bus);
 
   // Disposes every instance of the bus, so that stations see its end, and waits at most `linger`
-  // for the readers of its samples. `limit` bounds the disposal. Threads as for add_bus().
+  // each for the readers of its samples, of catalogue blocks and of its channels. `limit` bounds
+  // the disposal. Threads as for add_bus().
   // REQUIRES: no thread publishes on the bus any more. No effect for an unknown bus.
   void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
                   Duration limit = Duration::max());
