@@ -27,6 +27,8 @@ export const keyOf = (path: Path): string => path.join('\n');
 
 // Inputs with text that is not part of the draft yet. A new view keeps this text: results arrive while somebody types.
 const typed = new WeakSet<Element>();
+const typing = (event: Event): void => { typed.add(event.target as Element); };
+const left = (event: Event): void => { typed.delete(event.target as Element); };
 
 function shownIn(id: string, value: string): string {
   const element = document.getElementById(id);
@@ -44,8 +46,6 @@ function valueOf(text: string, child: Child | undefined, field: Field): string |
 
 function input(form: Form, field: Field, path: Path, value: string, why: string | undefined): TemplateResult {
   const id = idOf(path), { schema } = field;
-  const typing = (event: Event): void => { typed.add(event.target as Element); };
-  const left = (event: Event): void => { typed.delete(event.target as Element); };
   const change = (event: Event): void => {
     left(event);
     form.set(path, (event.target as HTMLInputElement).value.trim(), field);
