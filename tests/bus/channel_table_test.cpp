@@ -45,7 +45,9 @@ TEST(ChannelTable, OfResponsesThatArriveTogetherTheLaterHasALaterTime) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  for (const std::uint16_t value : {7, 8, 9}) table.acquired(0, 16, items(value), Instant{1s}, out);
+  for (std::uint16_t value = 7; value < 10; ++value) {
+    table.acquired(0, 16, items(value), Instant{1s}, out);
+  }
   table.acquired(0, 16, items(10), Instant{2s}, out);
   ASSERT_EQ(out.size(), 4u);
   EXPECT_EQ(out[0].acquired, Instant{1s});
