@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "bridge/configure/hidden_secrets.hpp"
 #include "bridge/configure/line_scan.hpp"
 #include "bridge/configure/protected_keys.hpp"
+#include "bridge/log/log.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/pki.hpp"
 #include "core/base/json.hpp"
@@ -60,6 +62,16 @@ Outcome with_faults(const std::vector<config::Fault>& faults) {
                    .text()};
 }
 
+std::string remedy_of(const security::SecurityError& error) {
+  const auto* file = dynamic_cast<const security::FileError*>(&error);
+  if (!file) return {};
+  if (file->is_full()) return "free space on the disk of the bridge, and try again";
+  if (file->code() == EACCES || file->code() == EPERM || file->code() == EROFS)
+    return "the user of the bridge needs the right to write in the folder of the file; for the "
+           "packaged service see docs/station.md, 'What the bridge allows'";
+  return "an administrator of the bridge's machine checks its disk";
+}
+
 Outcome another_probe() {
   return refused(409, "another engineer reads first values on this bus", "try again");
 }
@@ -107,10 +119,7 @@ ConfigurationAgent::Response ConfigurationAgent::run(std::string_view request,
   try {
     return (this->*row->operation)(parsed, caller);
   } catch (const security::SecurityError& error) {
-    return refused(
-        500, printable(error.what()),
-        "the user of the bridge needs the right to write in the folder of the file; for the "
-        "packaged service see docs/station.md, 'What the bridge allows'");
+    return refused(500, printable(error.what()), remedy_of(error));
   }
 }
 
@@ -239,8 +248,8 @@ ConfigurationAgent::Response ConfigurationAgent::confirm(const Tree& request,
   if (!watch_ || watch_->version != *version)
     return refused(409, "this version is not watched",
                    "it was kept, confirmed or rolled back already");
-  note(caller.name, "confirm", "version " + *version);
   end_watch("confirmed by " + caller.name);
+  note(caller.name, "confirm", "version " + *version);
   return done({{"version", *version}});
 }
 
@@ -338,30 +347,41 @@ void ConfigurationAgent::reloaded(const std::string& refusal) {
 }
 
 void ConfigurationAgent::look() {
+  if (folder_.is_unwritten()) {
+    try {
+      folder_.write();
+    } catch (const security::SecurityError&) {}  // end_watch() has logged it
+  }
   if (!watch_ || ports_.clock().instant < watch_->until) return;
   const auto qualities = ports_.qualities();
   if (!qualities) return;
   const WatchStep step = looked(*watch_, *qualities, ports_.clock().instant);
   if (step.end == WatchEnd::kRollBack) roll_back(step.reason, "the bridge");
   if (step.end == WatchEnd::kKeep) {
-    note("the bridge", "keep", fmt::format("version {}: {}", watch_->version, step.reason));
+    const std::string version = watch_->version;
     end_watch("kept: " + step.reason);
+    note("the bridge", "keep", fmt::format("version {}: {}", version, step.reason));
   }
 }
 
 void ConfigurationAgent::roll_back(const std::string& reason, const std::string& who) {
   const std::string base = watch_->base, version = watch_->version;
-  const auto text = folder_.text_of(base);
-  if (!text) throw security::SecurityError("the version " + base + " is not kept any more");
-  folder_.replace(*text);
-  note(who, "rollback", fmt::format("from {} to {}: {}", version, base, reason));
+  folder_.restore(base);
   end_watch(fmt::format("rolled back by {}: {}", who, reason));
+  note(who, "rollback", fmt::format("from {} to {}: {}", version, base, reason));
   ports_.reload();
 }
 
 void ConfigurationAgent::end_watch(std::string state) {
-  folder_.set_state(watch_->version, std::move(state));
+  const std::string version = std::move(watch_->version);
   watch_.reset();
+  try {
+    folder_.set_state(version, std::move(state));
+  } catch (const security::SecurityError& error) {
+    log_error("configuration", fmt::format("the watch of the version {} has ended, which is "
+                                           "recorded when the disk can be written: {}",
+                                           version, error.what()));
+  }
   folder_.store_watch(watch_);
 }
 
@@ -386,7 +406,11 @@ Json ConfigurationAgent::watch_json() const {
 std::string recover_configuration(const std::string& file) {
   VersionFolder folder(file);
   auto watch = folder.stored_watch();
-  if (!watch) return {};
+  if (!watch) {
+    if (!folder.rows().empty() && folder.rows().back().state == "watching")
+      folder.set_state(folder.rows().back().version, "ended, and the result was not recorded");
+    return {};
+  }
   const std::string text = folder.present();
   if (version_of(text) != watch->version) {
     // The process ended before the file was replaced, or an administrator has changed it since.
@@ -400,11 +424,10 @@ std::string recover_configuration(const std::string& file) {
     folder.store_watch(watch);
     return {};
   }
-  const auto before = folder.text_of(watch->base);
-  if (!before) return {};
-  folder.replace(*before);
-  folder.set_state(watch->version, "rolled back by the bridge: " + step.reason);
+  if (!folder.text_of(watch->base)) return {};
+  folder.restore(watch->base);
   folder.store_watch(std::nullopt);
+  folder.set_state(watch->version, "rolled back by the bridge: " + step.reason);
   return fmt::format("rolled back from {} to {}: {}", watch->version, watch->base, step.reason);
 }
 

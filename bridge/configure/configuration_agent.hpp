@@ -51,8 +51,10 @@ class ConfigurationAgent {
 
   // `refusal`: why the bridge did not load the file; empty if it did.
   void reloaded(const std::string& refusal);
-  // Ends a watch whose time is over. Call it once a second.
+  // Ends a watch whose time is over, and writes what a full disk refused. Call it once a second
+  // while needs_look().
   void look();
+  [[nodiscard]] bool needs_look() const { return is_watching() || folder_.is_unwritten(); }
   [[nodiscard]] bool is_watching() const { return watch_.has_value(); }
 
  private:
@@ -84,9 +86,9 @@ class ConfigurationAgent {
                  const Caller& caller);
   // Replaces the file and begins the watch. REQUIRES: the text is valid.
   Outcome put(const std::string& text, std::string why, const Caller& caller);
-  // Ends the watch and restores the file of before.
+  // Restores the file of before and ends the watch. Throws if the file cannot be restored.
   void roll_back(const std::string& reason, const std::string& who);
-  void end_watch(std::string state);
+  void end_watch(std::string state);  // also if the state cannot be written
   void note(const std::string& who, const std::string& what, const std::string& result);
   [[nodiscard]] Json watch_json() const;
 

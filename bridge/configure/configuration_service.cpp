@@ -66,17 +66,22 @@ void ConfigurationService::run(const std::string& file,
                                const configure::ConfigurationAgent::Ports& ports) {
   pthread_setname_np(pthread_self(), "configure");
   configure::ConfigurationAgent agent(file, ports);
+  std::string last_error;  // logged once, not in each look
   std::unique_lock lock(mutex_);
   while (!ending_) {
     if (tasks_.empty()) {
       const auto ready = [this] { return ending_ || !tasks_.empty(); };
-      if (!agent.is_watching()) {
+      if (!agent.needs_look()) {
         changed_.wait(lock, ready);
       } else if (!changed_.wait_for(lock, kLook, ready)) {
         lock.unlock();
         try {
           agent.look();
-        } catch (const std::exception& error) { log_error("configuration", error.what()); }
+          last_error.clear();
+        } catch (const std::exception& error) {
+          if (error.what() != last_error) log_error("configuration", error.what());
+          last_error = error.what();
+        }
         lock.lock();
       }
       continue;

@@ -89,13 +89,16 @@ void VersionFolder::make_folder() {
 void VersionFolder::add(VersionRow row, const std::string& text) {
   make_folder();
   security::replace(path(row.version + ".yaml"), text, security::kOwnerOnly);
-  rows_.push_back(std::move(row));
+  std::vector<VersionRow> rows = rows_;
+  rows.push_back(std::move(row));
   std::vector<std::string> old;
-  while (rows_.size() > kMostVersions) {
-    old.push_back(rows_.front().version);
-    rows_.erase(rows_.begin());
+  while (rows.size() > kMostVersions) {
+    old.push_back(rows.front().version);
+    rows.erase(rows.begin());
   }
-  write_list();
+  write_list(rows);
+  rows_ = std::move(rows);
+  is_unwritten_ = false;
   for (const std::string& version : old) {
     const auto same = [&](const VersionRow& other) { return other.version == version; };
     if (std::ranges::none_of(rows_, same)) ::unlink(path(version + ".yaml").c_str());
@@ -107,12 +110,23 @@ void VersionFolder::set_state(const std::string& version, std::string state) {
                                 [&](const VersionRow& other) { return other.version == version; });
   if (row == rows_.rend()) return;
   row->state = std::move(state);
-  write_list();
+  is_unwritten_ = true;
+  write();
 }
 
-void VersionFolder::write_list() {
+void VersionFolder::write() {
+  write_list(rows_);
+  is_unwritten_ = false;
+}
+
+void VersionFolder::write_list(const std::vector<VersionRow>& rows) const {
+  // A user may change the file in place, and the version must keep its text.
+  for (const VersionRow& row : rows) {
+    if (is_shared(row.version))
+      security::replace(path(row.version + ".yaml"), present(), security::kOwnerOnly);
+  }
   Json list = Json::array();
-  for (const VersionRow& row : rows_)
+  for (const VersionRow& row : rows)
     list.push_back({{"version", row.version},
                     {"who", row.who},
                     {"why", row.why},
@@ -121,11 +135,27 @@ void VersionFolder::write_list() {
   security::replace(path(kList), list.text(), security::kOwnerOnly);
 }
 
-void VersionFolder::replace(const std::string& text) {
+void VersionFolder::replace(const std::string& text) { security::replace(file_, text, mode()); }
+
+void VersionFolder::restore(const std::string& version) {
+  const auto text = text_of(version);
+  if (!text) throw security::SecurityError("the version " + version + " is not kept any more");
+  try {
+    replace(*text);
+  } catch (const security::FileError& error) {
+    if (!error.is_full()) throw;
+    security::replace_by_link(file_, path(version + ".yaml"), mode());
+  }
+}
+
+mode_t VersionFolder::mode() const {
   struct stat found {};
-  const mode_t mode =
-      ::stat(file_.c_str(), &found) == 0 ? (found.st_mode & 0777) : security::kOwnerOnly;
-  security::replace(file_, text, mode);
+  return ::stat(file_.c_str(), &found) == 0 ? (found.st_mode & 0777) : security::kOwnerOnly;
+}
+
+bool VersionFolder::is_shared(const std::string& version) const {
+  std::error_code failure;
+  return fs::equivalent(file_, path(version + ".yaml"), failure);
 }
 
 std::optional<Watch> VersionFolder::stored_watch() const {

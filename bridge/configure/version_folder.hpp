@@ -3,6 +3,8 @@
 // time.
 #pragma once
 
+#include <sys/types.h>
+
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,10 +40,17 @@ class VersionFolder {
 
   // Adds a row and keeps its text. The same text may have several rows.
   void add(VersionRow row, const std::string& text);
-  // Sets the state of the last row of this version.
+  // Sets the state of the last row of this version. On failure the row has the state, but not the
+  // list on the disk: is_unwritten().
   void set_state(const std::string& version, std::string state);
+  // True if the list on the disk is older than rows(); write() then tries again. The next add() and
+  // set_state() write it too.
+  [[nodiscard]] bool is_unwritten() const { return is_unwritten_; }
+  void write();
   // Replaces the configuration file; its access rights remain.
   void replace(const std::string& text);
+  // Replaces the configuration file by a version that is kept, also on a full disk.
+  void restore(const std::string& version);
 
   // The watch of a process that ended within it.
   [[nodiscard]] std::optional<Watch> stored_watch() const;
@@ -49,11 +58,15 @@ class VersionFolder {
 
  private:
   [[nodiscard]] std::string path(std::string_view name) const;
-  void write_list();
+  void write_list(const std::vector<VersionRow>& rows) const;
+  [[nodiscard]] mode_t mode() const;  // access rights of the configuration file
+  // True if the file and its version are one file, after a restore() on a full disk.
+  [[nodiscard]] bool is_shared(const std::string& version) const;
   void make_folder();
 
   std::string file_, folder_;
   std::vector<VersionRow> rows_;
+  bool is_unwritten_ = false;
 };
 
 }  // namespace fieldcast::configure

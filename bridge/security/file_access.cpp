@@ -8,15 +8,17 @@
 #include <cstdio>
 #include <cstring>
 
-#include "bridge/security/pki.hpp"
-
 namespace fieldcast::security {
+
+bool FileError::is_full() const { return code_ == ENOSPC || code_ == EDQUOT || code_ == EFBIG; }
+
 namespace {
 
 constexpr std::size_t kMaxFile = 1 << 20;
 
 [[noreturn]] void fail(const std::string& what, const std::string& path) {
-  throw SecurityError("cannot " + what + ' ' + path + ": " + std::strerror(errno));
+  const int code = errno;
+  throw FileError("cannot " + what + ' ' + path + ": " + std::strerror(code), code);
 }
 
 class Descriptor {
@@ -135,6 +137,19 @@ void write_new(const std::string& path, const std::string& text, mode_t mode) {
 
 void replace(const std::string& path, const std::string& text, mode_t mode) {
   replace_all({{path, text, mode}});
+}
+
+void replace_by_link(const std::string& path, const std::string& source, mode_t mode) {
+  const std::string name = beside(path);
+  ::unlink(name.c_str());  // left by an interrupted run
+  if (::link(source.c_str(), name.c_str()) != 0) fail("make", path);
+  if (::chmod(name.c_str(), mode) != 0 || std::rename(name.c_str(), path.c_str()) != 0) {
+    const int code = errno;
+    ::unlink(name.c_str());
+    errno = code;
+    fail("replace", path);
+  }
+  sync_folder_of(path);
 }
 
 void replace_all(const std::vector<NewText>& files) {

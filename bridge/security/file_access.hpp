@@ -1,4 +1,5 @@
-// Reads and writes complete key files. Throws SecurityError with the path. Any thread.
+// Reads and writes complete key files. Throws SecurityError with the path; FileError if a call of
+// the system failed. Any thread.
 #pragma once
 
 #include <sys/types.h>
@@ -7,7 +8,20 @@
 #include <string_view>
 #include <vector>
 
+#include "bridge/security/pki.hpp"
+
 namespace fieldcast::security {
+
+class FileError : public SecurityError {
+ public:
+  FileError(const std::string& text, int code) : SecurityError(text), code_(code) {}
+  [[nodiscard]] int code() const { return code_; }  // errno
+  // No space, no quota left, or a limit of the size of a file.
+  [[nodiscard]] bool is_full() const;
+
+ private:
+  int code_;
+};
 
 inline constexpr mode_t kOwnerOnly = 0600;
 inline constexpr mode_t kForAll = 0644;
@@ -19,6 +33,10 @@ inline constexpr mode_t kForAll = 0644;
 void write_new(const std::string& path, const std::string& text, mode_t mode);
 // The same, but replaces an existing file: a concurrent reader gets the old or the new contents.
 void replace(const std::string& path, const std::string& text, mode_t mode);
+
+// The same with the content of `source`, which becomes a second name of that file: no block of data
+// is written, so that it works on a full disk. A later change of one within its file changes both.
+void replace_by_link(const std::string& path, const std::string& source, mode_t mode);
 
 struct NewText {
   std::string path, text;

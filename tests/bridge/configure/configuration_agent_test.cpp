@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
+#include <cerrno>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -212,6 +216,100 @@ TEST_F(ConfigurationAgentTest, ADeploymentThatDidNotReachTheFileIsForgotten) {
   start();
   EXPECT_FALSE(agent_->is_watching());
   EXPECT_EQ(file(), kText);
+}
+
+// While it exists, no file can be written, as on a full disk; names can be changed.
+class FullDisk {
+ public:
+  FullDisk() {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit none{0, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &none);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before_{};
+};
+
+TEST_F(ConfigurationAgentTest, OnAFullDiskAGoodVersionIsKeptOnce) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("");
+  now_ += 30s;
+  {
+    const FullDisk full;
+    for (int second = 0; second < 3; ++second) {
+      EXPECT_NO_THROW(agent_->look());
+      EXPECT_FALSE(agent_->is_watching());
+      EXPECT_TRUE(agent_->needs_look());
+    }
+    EXPECT_EQ(audit_.size(), 2u) << "deploy, keep";
+    EXPECT_TRUE(run("read").second["watch"].is_null());
+    EXPECT_THAT(state_of_last(), HasSubstr("kept"));
+    EXPECT_EQ(VersionFolder(file_).rows().back().state, "watching");
+  }
+  agent_->look();
+  EXPECT_FALSE(agent_->needs_look());
+  EXPECT_THAT(VersionFolder(file_).rows().back().state, HasSubstr("kept"));
+}
+
+TEST_F(ConfigurationAgentTest, OnAFullDiskTheFileOfBeforeReturns) {
+  ::chmod(file_.c_str(), 0640);
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("");
+  qualities_->at("line/d/c") = Quality::kBadNoResponse;
+  now_ += 30s;
+  {
+    const FullDisk full;
+    agent_->look();
+    EXPECT_EQ(file(), kText);
+    EXPECT_EQ(reloads_, 2);
+    EXPECT_FALSE(agent_->is_watching());
+  }
+  struct stat found {};
+  ASSERT_EQ(::stat(file_.c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0640u);
+  agent_->look();
+  std::ofstream(file_) << "changed in place";
+  EXPECT_EQ(VersionFolder(file_).text_of(version_of(kText)), kText);
+  EXPECT_THAT(VersionFolder(file_).rows().back().state, HasSubstr("rolled back"));
+}
+
+TEST_F(ConfigurationAgentTest, OnAFullDiskAConfirmationCountsAndADeploymentIsRefused) {
+  const std::string version = deploy(more_).second["version"];
+  agent_->reloaded("");
+  const FullDisk full;
+  EXPECT_EQ(run("confirm", {{"version", version}}).first, 200u);
+  EXPECT_FALSE(agent_->is_watching());
+  const auto [status, body] = deploy(std::string(kText) + "# third\n");
+  EXPECT_EQ(status, 500u);
+  EXPECT_THAT(std::string(body["hint"]), HasSubstr("free space"));
+  EXPECT_EQ(file(), more_);
+  EXPECT_FALSE(agent_->is_watching());
+  EXPECT_EQ(state_of_last(), "confirmed by anna");
+}
+
+TEST_F(ConfigurationAgentTest, AResultThatWasNotRecordedIsShownAsSuch) {
+  const std::string version = deploy(more_).second["version"];
+  {
+    const FullDisk full;
+    ASSERT_EQ(run("confirm", {{"version", version}}).first, 200u);
+  }
+  EXPECT_EQ(recover_configuration(file_), "");
+  start();
+  EXPECT_FALSE(agent_->is_watching());
+  EXPECT_THAT(state_of_last(), HasSubstr("not recorded"));
+}
+
+TEST(FileError, ADiskOrAQuotaIsFull) {
+  for (const int code : {ENOSPC, EDQUOT}) EXPECT_TRUE(security::FileError("", code).is_full());
+  EXPECT_FALSE(security::FileError("", EACCES).is_full());
 }
 
 constexpr const char* kMeter =
