@@ -62,6 +62,10 @@ class Secured(unittest.TestCase):
         cls.nobody = cls.start(None, "watch", "--once", "--json")
         cls.elsewhere = cls.start("press", "write", "mill-1/mill/speed=8", "--timeout", "1s")
 
+    def identity_key(self, name):
+        with open(os.path.join(self.member(name), "identity.key"), encoding="ascii") as file:
+            return file.read()
+
     @classmethod
     def secure(cls, *arguments):
         done = subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "secure", *arguments], capture_output=True, text=True, timeout=30)
@@ -188,7 +192,10 @@ class Secured(unittest.TestCase):
 
     def test_a_reload_takes_a_renewed_certificate(self):
         self.elsewhere.wait(30)  # it has the old catalogue of the bridge
+        self.assertIn("keeps its key", self.secure("renew", "--help"))
+        key = self.identity_key("line-7")
         self.secure("renew", "line-7", "--authority", self.authority)
+        self.assertEqual(self.identity_key("line-7"), key)
         log = "fieldcast-bridge"
         wait_until(lambda: "has a renewed certificate" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
         self.plant.bridge.send_signal(signal.SIGHUP)
@@ -213,6 +220,12 @@ class Secured(unittest.TestCase):
                    "the list is not taken")
         refused = run_cli(BIN_DIR, "write", "mill-1/mill/speed=1", "--timeout", "1s", "--domain", str(self.plant.domain), "--security", old)
         self.assertNotEqual(refused.code, 0)
+        # docs/security.md: after its key has leaked, a member is added under a new name.
+        with self.assertRaisesRegex(AssertionError, "former is revoked; add a member with another name"):
+            self.secure("add", "plant", "former", "--authority", self.authority)
+        self.secure("add", "plant", "former-2", "--authority", self.authority)
+        self.assertNotEqual(self.identity_key("former-2"), self.identity_key("former"))
+        self.assertEqual(self.as_member("former-2", "write", "mill-1/mill/speed=6", "--verify").code, 0)
         live.until(lambda message: isinstance(message, list) and any(quality == 0 for _, _, quality in message))
 
     def test_who_has_no_identity_finds_no_bridge(self):

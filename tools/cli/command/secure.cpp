@@ -194,7 +194,8 @@ void describe_secure(CommandLine& line, SecureOptions& options) {
   add.text("NAME", options.member.name, "Of the member: letters, digits, '-' and '_'").required();
   add.texts("--bus", options.member.buses,
             "A plant commands the buses that match this pattern only; may be repeated");
-  CommandLine& renew = line.command("renew", "Make a new certificate and key for a member");
+  CommandLine& renew =
+      line.command("renew", "Make a new certificate for a member, which keeps its key");
   CommandLine& revoke = line.command("revoke", "Shut a member out");
   for (CommandLine* one : {&renew, &revoke})
     one->text("NAME", options.member.name, "Of the member").required();
