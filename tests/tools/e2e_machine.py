@@ -116,6 +116,22 @@ class FullDisk(unittest.TestCase):
             here.await_words("stopped")
 
 
+    def test_of_the_queue_of_a_forwarder_is_named_at_its_start(self):
+        with tempfile.TemporaryDirectory() as run, contextlib.ExitStack() as mounted:
+            system("mount", "-t", "tmpfs", "-o", "size=16k", "small", run)
+            mounted.callback(system, "umount", run)
+            file = os.path.join(run, "forward.yaml")
+            with open(file, "w", encoding="utf-8") as out:
+                out.write("site: north\nqueue: { path: forward.db }\njetstream: { servers: [nats://127.0.0.1:4] }\n")
+            with open(os.path.join(run, "filler"), "wb", buffering=0) as filler, contextlib.suppress(OSError):
+                while filler.write(bytes(4096)):
+                    pass
+            done = subprocess.run([os.path.join(BIN_DIR, "fieldcast-forward"), "--config", file], capture_output=True, text=True, timeout=SECONDS)
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertIn("free 1 MB on the disk of the queue", done.stderr)
+            self.assertNotIn("only one fieldcast-forward", done.stderr)
+
+
 class ReadOnlyRoot(unittest.TestCase):
     AROUND = ["unshare", "--mount", "sh", "-c",
               'mount -o remount,bind,ro / && { ! mountpoint -q /tmp || mount -o remount,bind,ro /tmp; } && exec "$@"', "sh"]

@@ -131,6 +131,10 @@ ExitCode run(int argc, char** argv) {
     code = serve(signals, *spec);
   } catch (const fieldcast::DdsError& error) {
     fieldcast::log_error("forward", fmt::format("cannot start: {}", error.what()));
+  } catch (const fieldcast::StoreAway& error) {
+    fieldcast::log_error("forward", fmt::format("cannot start: {}; free 1 MB on the disk of the "
+                                                "queue, and check that it can be written",
+                                                error.what()));
   } catch (const fieldcast::StoreError& error) {
     fieldcast::log_error("forward", fmt::format("cannot start: {}", error.what()));
   }

@@ -2,17 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bridge/configure/configuration_service.hpp"
 #include "bridge/security/file_access.hpp"
 #include "tests/bridge/security/scratch_folder.hpp"
+#include "tests/support/full_disk.hpp"
 
 namespace fieldcast::configure {
 namespace {
@@ -218,32 +217,12 @@ TEST_F(ConfigurationAgentTest, ADeploymentThatDidNotReachTheFileIsForgotten) {
   EXPECT_EQ(file(), kText);
 }
 
-// While it exists, no file can be written, as on a full disk; names can be changed.
-class FullDisk {
- public:
-  FullDisk() {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit none{0, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &none);
-  }
-  ~FullDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before_{};
-};
-
 TEST_F(ConfigurationAgentTest, OnAFullDiskAGoodVersionIsKeptOnce) {
   ASSERT_EQ(deploy(more_).first, 200u);
   agent_->reloaded("");
   now_ += 30s;
   {
-    const FullDisk full;
+    const test::FullDisk full;
     for (int second = 0; second < 3; ++second) {
       EXPECT_NO_THROW(agent_->look());
       EXPECT_FALSE(agent_->is_watching());
@@ -266,7 +245,7 @@ TEST_F(ConfigurationAgentTest, OnAFullDiskTheFileOfBeforeReturns) {
   qualities_->at("line/d/c") = Quality::kBadNoResponse;
   now_ += 30s;
   {
-    const FullDisk full;
+    const test::FullDisk full;
     agent_->look();
     EXPECT_EQ(file(), kText);
     EXPECT_EQ(reloads_, 2);
@@ -284,7 +263,7 @@ TEST_F(ConfigurationAgentTest, OnAFullDiskTheFileOfBeforeReturns) {
 TEST_F(ConfigurationAgentTest, OnAFullDiskAConfirmationCountsAndADeploymentIsRefused) {
   const std::string version = deploy(more_).second["version"];
   agent_->reloaded("");
-  const FullDisk full;
+  const test::FullDisk full;
   EXPECT_EQ(run("confirm", {{"version", version}}).first, 200u);
   EXPECT_FALSE(agent_->is_watching());
   const auto [status, body] = deploy(std::string(kText) + "# third\n");
@@ -298,7 +277,7 @@ TEST_F(ConfigurationAgentTest, OnAFullDiskAConfirmationCountsAndADeploymentIsRef
 TEST_F(ConfigurationAgentTest, AResultThatWasNotRecordedIsShownAsSuch) {
   const std::string version = deploy(more_).second["version"];
   {
-    const FullDisk full;
+    const test::FullDisk full;
     ASSERT_EQ(run("confirm", {{"version", version}}).first, 200u);
   }
   EXPECT_EQ(recover_configuration(file_), "");

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "tests/support/full_disk.hpp"
 #include "tests/tools/forward/batch_support.hpp"
 #include "tools/forward/payload/codec.hpp"
 
@@ -293,6 +294,20 @@ TEST_F(QueueTest, ASecondForwarderCannotUseTheFile) {
   }
   append(queue, record_of(seconds(0, 1)));
   EXPECT_EQ(ids(queue).size(), 1u);
+}
+
+TEST_F(QueueTest, AFullDiskIsNotASecondForwarder) {
+  { Queue queue = open(); }
+  const test::FullDisk full;
+  for (const std::string& file : {path, folder.file("new.db")}) {
+    try {
+      Queue({file, 10'000'000, {}});
+      ADD_FAILURE() << file;
+    } catch (const StoreAway& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(file));
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("only one")));
+    }
+  }
 }
 
 TEST_F(QueueTest, AFileThatIsNotAQueueIsRefusedWithItsName) {

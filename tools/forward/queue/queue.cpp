@@ -104,9 +104,10 @@ std::unique_ptr<SqlConnection> open_queue(const std::string& path) {
     if (is_old) connection->script(kUpgrade);
     SqlTransaction(*connection).commit();  // the first transaction takes the lock
     return connection;
+  } catch (const StoreAway&) {
+    throw;  // the disk, not a second forwarder
   } catch (const StoreError& error) {
-    throw StoreError(std::string(error.what()) +
-                     "; only one fieldcast-forward may use this file, on a disk with free space");
+    throw StoreError(std::string(error.what()) + "; only one fieldcast-forward may use this file");
   }
 }
 
