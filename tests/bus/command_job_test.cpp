@@ -79,6 +79,18 @@ TEST_F(CommandJobTest, TextIsWrittenInTheCharacterSetOfTheChannel) {
   EXPECT_EQ(reason("Kühle"), "'Kühle' does not fit string(4)");
 }
 
+TEST_F(CommandJobTest, AValueThatMeansNotAvailableIsNotWritten) {
+  Encoding encoding{.type = ValueType::kInt16};
+  encoding.not_available = {0x8000};
+  add("level", {2, 200, 1}, encoding, Access::kReadWrite);
+  const auto refused = make(write("level", std::int64_t{-32768}));
+  EXPECT_EQ(refused.error().cause, Cause::kRange);
+  EXPECT_EQ(refused.error().reason,
+            "-32768 means 'not available' at this channel (key 'not-available'); write another "
+            "value");
+  EXPECT_EQ(make(write("level", std::int64_t{-32769})).error().reason, "-32769 does not fit int16");
+}
+
 TEST_F(CommandJobTest, VerifyReadsBack) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
   job->responded({{}});

@@ -2,6 +2,7 @@
 
 #include "core/base/message_text.hpp"
 #include "core/bus/command/command_job.hpp"
+#include "core/codec/raw_items.hpp"
 #include "core/model/fit.hpp"
 
 namespace fieldcast {
@@ -220,6 +221,12 @@ CommandFault CommandJob::unfit(const CommandSubject& subject, const Value& value
             shown + (is_utf8(*text) ? " has a character that " +
                                           std::string(to_text(encoding.charset)) + " does not have"
                                     : " is no UTF-8")};
+  if (!encoding.not_available.empty()) {
+    const auto bits = bits_of_value(encoding, value);
+    if (bits && is_not_available(encoding, *bits))
+      return {cause, shown + " means 'not available' at this channel (key 'not-available')" +
+                         "; write another value"};
+  }
   return {cause, shown + " does not fit " + type_text(encoding)};
 }
 
