@@ -75,6 +75,41 @@ TEST(Engineer, LineSettingsComeBetweenTheBytesAroundThem) {
   EXPECT_EQ(order, "slow 115200 fast ");
 }
 
+// The order matters: after the stop, the device may have another user.
+TEST(Engineer, BytesBeforeAStopOrAnInvalidLengthReachTheDeviceBeforeItIsFreed) {
+  for (const Bytes& end : {Bytes{0xFF, 0xFF, 0xFF, 0xFF}, Bytes{0x40, 0x40, 0x31, 0x37}}) {
+    Bench b;
+    b.pair("@@V217FEFF");
+    Bytes stream = chunk("last");
+    append(stream, end);
+    EngineerActions actions;
+    b.engineer.on_event(FromClient{stream}, b.now, actions);
+    std::string order;
+    for (const auto& action : actions) {
+      if (auto* to = std::get_if<ToDevice>(&action)) order += as_text(to->bytes);
+      if (std::holds_alternative<FreeDevice>(action)) order += " freed";
+    }
+    EXPECT_EQ(order, "last freed");
+  }
+}
+
+TEST(Engineer, BytesBeforeTheDeviceIsGivenReachItLater) {
+  Bench by_markers;
+  by_markers.sends("@@17FEFF@@@00MM40*\rFEFF");
+  EXPECT_EQ(by_markers.reached(), "");
+  by_markers.tell(DeviceGiven{});
+  EXPECT_EQ(by_markers.reached(), "@00MM40*\r");
+
+  Bench by_length;
+  Bytes stream;
+  append(stream, as_bytes("@@V217FEFF"));
+  append(stream, chunk("early"));
+  by_length.tell(FromClient{stream});
+  EXPECT_EQ(by_length.reached(), "");
+  by_length.tell(DeviceGiven{});
+  EXPECT_EQ(by_length.reached(), "early");
+}
+
 TEST(Engineer, WithFramingByLengthTheLossIsAStopAndItsReason) {
   Bench b;
   b.pair("@@V217FEFF");

@@ -45,6 +45,14 @@ TEST(Engineer, RefusalsHaveTheirReplyAndTheClientMayAskAgain) {
   EXPECT_THAT(b.taken, ElementsAre("17", "18", "19"));
 }
 
+TEST(Engineer, ADeviceThatIsLostBeforeItIsGivenIsNotOnline) {
+  Bench b;
+  b.sends("@@17FEFF");
+  b.tell(DeviceLost{"unplugged"});
+  EXPECT_EQ(b.received(), "@@0001FEFF");
+  b.pair("@@18FEFF");
+}
+
 TEST(Engineer, OnlySoManyRequestsAreRefused) {
   Bench b;
   for (unsigned i = 0; i < Engineer::kMaxRefused; ++i) {
@@ -129,6 +137,19 @@ TEST(Engineer, GarbageBeforeTheHandshakeIsBoundedAndReported) {
   EXPECT_TRUE(b.engineer.over());
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_THAT(b.taken, IsEmpty());
+}
+
+TEST(Engineer, NoiseWithinAPairingIsBoundedAndEarlierNoiseDoesNotCount) {
+  Bench b;
+  b.sends(std::string(Engineer::kMaxNoise, 'x'));
+  b.pair();
+  b.sends(std::string(Engineer::kMaxNoiseLater, 'x'));
+  EXPECT_FALSE(b.engineer.over());
+  EXPECT_EQ(b.freed, 0);
+  b.sends("x");
+  EXPECT_TRUE(b.engineer.over());
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_EQ(b.hung_up, 1);
 }
 
 TEST(Engineer, WhoFloodsInsteadOfWaitingForTheReplyIsHungUp) {

@@ -208,6 +208,7 @@ TEST(MarkerFraming, AReaderDropsAnInstructionThatIsTooLongWholeAndGoesOn) {
     const Read read = read_all(stream, Phase::kTransmission, piece);
     EXPECT_EQ(as_text(read.program), "next\r") << piece;
     EXPECT_EQ(read.faults, std::vector<FrameFault>{FrameFault::kTooLong}) << piece;
+    EXPECT_EQ(read.lost, std::vector<std::size_t>{3 * kMaxInstruction + 7}) << piece;
   }
 }
 
