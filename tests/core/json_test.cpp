@@ -97,5 +97,11 @@ TEST(JsonText, AnObjectSetsItsCommas) {
             R"({"a":"x","b":1.5,"c":7,"d":true,"e":1.5,"f":null,"g":[]})");
 }
 
+TEST(JsonText, AJoinedObjectHasTheMembersOfBoth) {
+  const std::string one = JsonObject().add("a", 1u).take(), none = JsonObject().take();
+  EXPECT_EQ(json_joined(one, JsonObject().add("b", 2u).take()), R"({"a":1,"b":2})");
+  EXPECT_EQ(json_joined(one, none), one);
+}
+
 }  // namespace
 }  // namespace fieldcast
