@@ -40,9 +40,9 @@ TEST_P(Explained, FramesAreShownAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProtocol, Explained,
-                         testing::Values("allen-bradley-df1", "mitsubishi-fx", "mitsubishi-mc",
-                                         "mitsubishi-mc-serial", "modbus-ascii", "modbus-rtu",
-                                         "modbus-tcp", "omron-fins", "omron-hostlink",
+                         testing::Values("allen-bradley-df1", "dtc", "mitsubishi-fx",
+                                         "mitsubishi-mc", "mitsubishi-mc-serial", "modbus-ascii",
+                                         "modbus-rtu", "modbus-tcp", "omron-fins", "omron-hostlink",
                                          "s7-freeport", "s7-ppi", "s7-tcp"),
                          [](const auto& row) {
                            std::string name(row.param);

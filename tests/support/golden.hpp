@@ -37,7 +37,9 @@ void expect_responses(const std::string& file, const std::string& text, std::siz
     if (!line.empty() && !line.starts_with('#')) actual += respond(line);
   }
   if (actual == text) return;
-  const std::string copy = testing::TempDir() + std::filesystem::path(file).filename().string();
+  const std::filesystem::path path(file);  // files of two folders may have one name
+  const std::string copy =
+      testing::TempDir() + path.parent_path().filename().string() + '-' + path.filename().string();
   std::ofstream(copy) << actual;
   EXPECT_EQ(actual, text) << "to accept it: cp " << copy << ' ' << file;
 }
