@@ -249,13 +249,10 @@ class PduExplainer {
   }
 
   void read_file() {
-    const bool groups_fit = pdu_.size() > 2 && (pdu_.size() - 2) % kGroupBytes == 0 && pdu_[2] == 6;
-    const bool data_fit = has_file_data();
-    if (groups_fit && data_fit)
-      writer_.remark("request; could also be a response");
-    else
-      writer_.remark(data_fit ? "response" : "request");
-    if (groups_fit || !data_fit) return groups();
+    // A group of a request begins with the reference type 6, a response with an odd length.
+    const bool response = has_file_data();
+    writer_.remark(response ? "response" : "request");
+    if (!response) return groups();
     file_count();
     for (std::size_t at = 2; at < pdu_.size(); at += std::size_t{1} + pdu_[at]) {
       writer_.add(at, 1, "group length", number(pdu_[at]));
