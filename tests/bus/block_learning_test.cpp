@@ -255,5 +255,22 @@ TEST(PauseLearning, AfterARequestThatFailedTheWholePauseIsKeptForAWhile) {
   EXPECT_EQ(learning.next_pause(), 700ms);
 }
 
+TEST(PauseLearning, ATestFailsWhenMostOfItsRequestsHaveNoResponse) {
+  PauseLearning learning;
+  learn_a_second(learning);
+  for (unsigned i = 0; i < PauseLearning::kFirstTrial; ++i) learning.tried(1s, true);
+  const auto lose_one = [&] {
+    learning.tried(700ms, false);
+    for (int i = 0; i < 8; ++i) learning.tried(1s, true);
+  };
+  for (int i = 0; i < 2; ++i) learning.tried(700ms, true);
+  lose_one();
+  EXPECT_EQ(learning.next_pause(), 700ms);
+  lose_one();
+  EXPECT_EQ(learning.next_pause(), 700ms) << "two of four";
+  lose_one();
+  EXPECT_EQ(learning.next_pause(), 1s) << "three of five";
+}
+
 }  // namespace
 }  // namespace fieldcast

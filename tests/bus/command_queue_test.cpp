@@ -405,6 +405,32 @@ TEST_F(CommandQueueTest, EachPartOfAnAcquisitionHasTheTimeOfItsResponse) {
   EXPECT_EQ(results()[0].state, CommandState::kFailed);
 }
 
+// The requester with the most commands gives way only while it has at least two more.
+TEST_F(CommandQueueTest, ARequesterGivesWayUntilBothHaveAsMany) {
+  const std::size_t half = CommandQueue::kMaxWaiting / 2;
+  for (std::size_t i = 0; i < half + 1; ++i) accept(of("a", write("r0", 1)));
+  for (std::size_t i = 0; i < half - 1; ++i) accept(of("b", write("r0", 1)));
+  ASSERT_TRUE(results().empty());
+  accept(of("b", write("r0", 1)));
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].requester, "a");
+  EXPECT_EQ(refusal_of(of("b", write("r0", 1)), {}), Cause::kQueueFull);
+  EXPECT_EQ(refusal_of(of("a", write("r0", 1)), {}), Cause::kQueueFull);
+}
+
+TEST_F(CommandQueueTest, ARequesterDoesNotGiveWayForOneCommand) {
+  const std::size_t half = CommandQueue::kMaxWaiting / 2;
+  accept(of("c", write("r0", 1)));
+  for (std::size_t i = 0; i < half; ++i) accept(of("a", write("r0", 1)));
+  for (std::size_t i = 0; i < half - 1; ++i) accept(of("b", write("r0", 1)));
+  ASSERT_TRUE(results().empty());
+  accept(of("b", write("r0", 1)));
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].requester, "b") << "it would only exchange the places";
+}
+
 TEST(CommandLedger, TheSecondOfAKeyIsADuplicate) {
   CommandLedger ledger;
   EXPECT_TRUE(ledger.enter("press", 1));

@@ -115,5 +115,13 @@ TEST(RequestFinder, AFrameMayFollowCharactersOfATurnaround) {
   EXPECT_FALSE(finder.is_frame(ByteView(response).first(8)));
 }
 
+// A poll of DF1: DLE, ENQ, the station and its check.
+TEST(RequestFinder, TheShortestFrameHasFourCharacters) {
+  const RequestFinder finder(bus_with(serial(Fence::kListen), "allen-bradley-df1"));
+  EXPECT_TRUE(finder.is_frame(Bytes{0x10, 0x05, 0x11, 0xEF}));
+  EXPECT_FALSE(finder.is_frame(Bytes{0x10, 0x05, 0x11}));
+  EXPECT_FALSE(finder.is_frame(Bytes{0x10, 0x05, 0x11, 0xEE}));
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <vector>
 
 namespace fieldcast {
@@ -110,6 +111,42 @@ TEST(SilenceLearning, DevicesThatAreNotConfiguredSayNothing) {
   line.learning.ended(7, learned, true);
   line.learning.ended(7, learned, false);
   EXPECT_EQ(line.learning.silence(), learned);
+}
+
+TEST(SilenceLearning, EachStepNeedsSixteenResponsesOfEachDevice) {
+  BusyLine line{{0us, 0us}};
+  line.run(15);
+  line.ask(0);
+  EXPECT_EQ(line.learning.silence(), 1750us);
+  line.ask(1);
+  EXPECT_EQ(line.learning.silence(), 1225us);
+  line.run(15);
+  EXPECT_EQ(line.learning.silence(), 1225us);
+  line.run(1);
+  EXPECT_EQ(line.learning.silence(), 857500ns);
+}
+
+// Steps of 1750, 1225, 857.5, 600.25, 420.2 and 300 us.
+TEST(SilenceLearning, AStepThatFailsTwiceIsExcluded) {
+  for (const auto& [need, learned, failures] : {std::tuple{Duration{0us}, Duration{420175ns}, 0u},
+                                                {Duration{500us}, Duration{857500ns}, 2u},
+                                                {Duration{900us}, Duration{1750us}, 2u},
+                                                {Duration{1300us}, Duration{1750us}, 2u}}) {
+    BusyLine line{{0us, need, 0us}};
+    line.run(5000);
+    EXPECT_EQ(line.learning.silence(), learned) << need.count();
+    EXPECT_EQ(line.failures, failures) << need.count();
+  }
+}
+
+TEST(SilenceLearning, AResponseAfterALongerRestSaysNothingAboutTheStep) {
+  SilenceLearning learning(kStandardSilence, kLeastSilence, 1);
+  for (int i = 0; i < 16; ++i) learning.ended(0, 1750us, true);
+  ASSERT_EQ(learning.silence(), 1225us);
+  for (int i = 0; i < 100; ++i) learning.ended(0, 1488us, true);  // nearer to the longer step
+  EXPECT_EQ(learning.silence(), 1225us);
+  for (int i = 0; i < 16; ++i) learning.ended(0, 1487us, true);
+  EXPECT_EQ(learning.silence(), 857500ns);
 }
 
 }  // namespace

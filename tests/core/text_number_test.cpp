@@ -113,6 +113,7 @@ TEST(TextNumber, WithoutAPictureTheWidthIsFilledWithBlanks) {
   EXPECT_EQ(real(-25.5), "  -25.5");
   EXPECT_EQ(real(0.1 + 0.2), "0.30000") << "rounded to what fits";
   EXPECT_EQ(real(99.96, 3), "100");
+  EXPECT_EQ(real(99.96, 4), " 100") << "with a decimal it would have five characters";
   EXPECT_EQ(real(999.96, 4), "1000");
   EXPECT_EQ(real(0.0, 1), "0");
   EXPECT_EQ(real(12345678.0), kRange);

@@ -196,6 +196,7 @@ TEST(ValueCodec, WhatDoesNotFitIsARangeFaultAndNeverWraps) {
   EXPECT_TRUE(fault(ValueType::kUint64, i(-1)));
   EXPECT_TRUE(fault(ValueType::kBcd16, u(10000)));
   EXPECT_TRUE(fault(ValueType::kBcd32, i(-1)));
+  EXPECT_TRUE(fault(ValueType::kBcd32, u(100'000'000)));
   EXPECT_TRUE(fault(ValueType::kFloat32, Value{3.5e38}));
   EXPECT_TRUE(fault(ValueType::kFloat32, Value{std::numeric_limits<double>::quiet_NaN()}));
   EXPECT_TRUE(fault(ValueType::kFloat64, Value{std::numeric_limits<double>::infinity()}));
@@ -354,7 +355,11 @@ TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
   EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "32768").error(), Cause::kRange);
   EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x10000").error(), Cause::kRange);
   EXPECT_EQ(parse_not_available(of(ValueType::kBcd16), "12345").error(), Cause::kRange);
-  EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "nan").error(), Cause::kWrongType);
+  for (const char* nan : {"nan", "NaN", ".nan", ".NaN"}) {
+    EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), nan), 0x7FC00000u) << nan;
+    EXPECT_EQ(parse_not_available(of(ValueType::kFloat64), nan), 0x7FF8000000000000u) << nan;
+    EXPECT_EQ(parse_not_available(of(ValueType::kUint16), nan).error(), Cause::kWrongType) << nan;
+  }
   EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "").error(), Cause::kWrongType);
 }
 
