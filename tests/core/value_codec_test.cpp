@@ -345,6 +345,23 @@ TEST(NotAvailable, IsNotWritten) {
   EXPECT_TRUE(encode_value(without(of(ValueType::kInt16), {"0x8000"}), 16, i(-32767)).has_value());
 }
 
+TEST(ValueCodec, ATextInBitsHasEightOfThemForEachCharacter) {
+  const Encoding text{.type = ValueType::kString, .string_bytes = 2};
+  const auto bits = encode_value(text, 1, Value{std::string("AB")});
+  ASSERT_TRUE(bits);
+  EXPECT_EQ(bits->size(), 16u);
+  EXPECT_EQ(decode_value(text, 1, *bits), Value{std::string("AB")});
+}
+
+TEST(ValueCodec, ZeroIsADecimalNumber) {
+  for (const ValueType type : {ValueType::kBcd8, ValueType::kBcd16, ValueType::kBcd32}) {
+    const unsigned item_bits = type == ValueType::kBcd8 ? 8 : 16;
+    const auto items = encode_value(of(type), item_bits, u(0));
+    ASSERT_TRUE(items);
+    EXPECT_EQ(decode_value(of(type), item_bits, *items), u(0));
+  }
+}
+
 TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
   EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x8000"), 0x8000u);
   EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "-32768"), 0x8000u);
@@ -439,6 +456,9 @@ TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
   EXPECT_EQ(parse_value(of(ValueType::kUint16), "2.0"), u(2));
   EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551615"), u(UINT64_MAX));
   EXPECT_EQ(parse_value(of(ValueType::kInt64), "-9223372036854775808"), i(INT64_MIN));
+  EXPECT_EQ(parse_value(of(ValueType::kUint64), "1e19"), u(10'000'000'000'000'000'000u));
+  for (const char* text : {"2e19", "-2e19"})
+    EXPECT_EQ(parse_value(of(ValueType::kUint64), text), tl::unexpected(Cause::kRange)) << text;
   EXPECT_EQ(parse_value(of(ValueType::kFloat32), "7"), Value{7.0});
   EXPECT_EQ(parse_value({.type = ValueType::kInt16, .scale = 0.1}, "+2.5"), Value{2.5});
   EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "),
