@@ -93,10 +93,9 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
   state_ = BusState::kClosed;
   closed_because_ = event.cause;
   if (event.cause != Cause::kPortClosed) outcomes_.count(event.cause);
-  for (Wire& wire : parts_.wires) {
-    parts_.select(wire);
-    give_up(Cause::kPortClosed, now, sink);
-  }
+  std::optional<Cause> cause;
+  if (over_network(spec().port)) cause = Cause::kPortClosed;
+  give_all_up(cause, now, sink);
   // Without a serial line behind it, a closed connection delivers no more late responses.
   if (parts_.setup.plain_tcp()) parts_.late.forget_all();
   for (ChannelIndex c = 0; c < parts_.channels.size(); ++c)
@@ -146,11 +145,8 @@ void BusEngine::take_frames(ByteView bytes, Instant now, ActionSink& sink) {
   append(stream_, bytes);
   while (!stream_.empty() && state_ == BusState::kRunning) {
     const auto size = parts_.setup.first_frame(stream_);
-    if (!size) {
-      sink.push(Reopen{"the header of a response is not valid"});
-      state_ = BusState::kOpening;
-      return;
-    }
+    if (!size)
+      return reopen({"the header of a response is not valid"}, Cause::kMalformed, now, sink);
     if (*size == 0) return;
     const Bytes frame(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(*size));
     stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(*size));
@@ -265,10 +261,8 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
     if (!another_asked(outcome, now, sink)) advance(outcome, std::move(out), now, sink);
   }
   if (state_ == BusState::kRunning && parts_.listener.active()) {
-    if (auto reopen = outcomes_.silent(parts_.listener.silent(now), now, sink)) {
-      sink.push(std::move(*reopen));
-      state_ = BusState::kOpening;
-    }
+    if (auto silent = outcomes_.silent(parts_.listener.silent(now), now, sink))
+      reopen(std::move(*silent), {}, now, sink);
   }
   if (state_ != BusState::kStopped && state_ != BusState::kLeased) {
     std::vector<Sample> late;
@@ -327,10 +321,8 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
                          parts_.wire().driver().received(), now))
     let_go(now, sink);
   forecast_.ended(parts_.wire().driver(), outcome == ExchangeDriver::Outcome::kDone);
-  auto reopen = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
-  if (!reopen) return;
-  sink.push(std::move(*reopen));
-  state_ = BusState::kOpening;
+  auto lost = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
+  if (lost) reopen(std::move(*lost), {}, now, sink);
 }
 
 std::optional<Flight> BusEngine::break_off() {
@@ -355,6 +347,29 @@ void BusEngine::give_up(Cause cause, Instant now, ActionSink& sink) {
     parts_.commands.failed(broken->batch, cause, 0, parts_.wire().driver().responded(), now, sink);
   if (broken->kind == Flight::Kind::kRead) parts_.reads.broken_off(broken->block, now);
   outcomes_.count(cause);
+}
+
+// Of several exchanges the oldest is that of the device: a gateway responds in order.
+void BusEngine::give_all_up(std::optional<Cause> cause, Instant now, ActionSink& sink) {
+  const Flight* oldest = nullptr;
+  for (const Wire& wire : parts_.wires) {
+    if (!wire.exchanging()) continue;
+    const Flight& flight = wire.flight();
+    if (oldest == nullptr || flight.asked.sent_until < oldest->asked.sent_until) oldest = &flight;
+  }
+  std::optional<Flight> blamed;
+  if (cause && oldest != nullptr) blamed = *oldest;
+  for (Wire& wire : parts_.wires) {
+    parts_.select(wire);
+    give_up(Cause::kPortClosed, now, sink);
+  }
+  if (blamed) outcomes_.connection_lost(*blamed, *cause, now, sink);
+}
+
+void BusEngine::reopen(Reopen action, std::optional<Cause> cause, Instant now, ActionSink& sink) {
+  sink.push(std::move(action));
+  state_ = BusState::kOpening;
+  give_all_up(cause, now, sink);
 }
 
 // A command is alone on the connection, so no read that began before a write ends after it. Reads

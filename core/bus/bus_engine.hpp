@@ -98,6 +98,9 @@ class BusEngine {
   std::optional<Flight> break_off();
   void break_all_off();
   void give_up(Cause cause, Instant now, ActionSink& sink);
+  // Ends all exchanges. `cause`: of the loss of the connection, if a device may have caused it.
+  void give_all_up(std::optional<Cause> cause, Instant now, ActionSink& sink);
+  void reopen(Reopen action, std::optional<Cause> cause, Instant now, ActionSink& sink);
   // Selects the wire of the next request. Returns false if all are in use.
   [[nodiscard]] bool select_free();
   [[nodiscard]] bool any_free() const {

@@ -182,21 +182,37 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const Flight flight = parts_.wire().take();
   if (done && !flight.no_response) learn(flight);
   const bool busy = ended.cause == Cause::kDeviceBusy;
-  if (ended.responded && !busy) devices_.responded(device, sink);
-  deliver(flight, ended, now, sink);
-  const bool lost = (!ended.responded || busy) && !dropped && !flight.spare_time &&
-                    device_failed(device, ended, now, sink);
-  arbiter_.suspend(device, now);
-  // All devices of this connection are silent: the connection itself may be dead.
-  if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
-    return Reopen{"no device responds"};
   // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
   // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
   // frame only costs its exchange.
   const bool numbered = setup_.protocol(device).traits().identity == ResponseIdentity::kSequence;
-  if (ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp())
-    return Reopen{"the header of the response is not valid"};
+  const bool framing_lost = ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp();
+  if (ended.responded && !busy) devices_.responded(device, sink);
+  deliver(flight, ended, now, sink);
+  const bool lost = (!ended.responded || busy) && !dropped && !flight.spare_time &&
+                    device_failed(device, ended, framing_lost, now, sink);
+  arbiter_.suspend(device, now);
+  if (framing_lost) return Reopen{"the header of the response is not valid"};
+  // All devices of this connection are silent: the connection itself may be dead.
+  if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
+    return Reopen{"no device responds"};
   return std::nullopt;
+}
+
+void OutcomeRouter::connection_lost(const Flight& flight, Cause cause, Instant now,
+                                    ActionSink& sink) {
+  if (flight.spare_time) return;  // see DeviceMonitor::gateway_read_ended()
+  const DeviceIndex device = flight.asked.device;
+  DeviceMonitor::Try ended;
+  ended.device = device;
+  ended.cause = cause;
+  ended.rest = flight.rest;
+  devices_.tried(ended, now, sink);
+  Wire::Ended failure;
+  failure.cause = cause;
+  failure.spent = now - flight.started;
+  (void)device_failed(device, failure, true, now, sink);
+  arbiter_.suspend(device, now);
 }
 
 void OutcomeRouter::learn(const Flight& flight) {
@@ -289,9 +305,9 @@ void OutcomeRouter::share(const Flight& flight, const Wire::Ended& ended, Instan
   }
 }
 
-bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now,
-                                  ActionSink& sink) {
-  const bool lost = devices_.failed(device, ended.cause, now, sink);
+bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended,
+                                  bool connection_lost, Instant now, ActionSink& sink) {
+  const bool lost = devices_.failed(device, ended.cause, now, sink, connection_lost);
   if (lost) {
     reads_.forget(device);
     for (ChannelIndex c = channels_.first_of(device); c < channels_.end_of(device); ++c)

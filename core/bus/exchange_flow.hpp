@@ -77,6 +77,8 @@ class OutcomeRouter {
 
   // Returns Reopen if the port must be opened again.
   [[nodiscard]] std::optional<Reopen> conclude(bool done, Instant now, ActionSink& sink);
+  // The connection was lost during this exchange: a gateway may close it for one device alone.
+  void connection_lost(const Flight& flight, Cause cause, Instant now, ActionSink& sink);
   void take_late(const std::vector<LateResponseFilter::Late>& responses, Instant now,
                  ActionSink& sink);
 
@@ -97,7 +99,8 @@ class OutcomeRouter {
   // For clients of the gateway.
   void share(const Flight& flight, const Wire::Ended& ended, Instant now, ActionSink& sink);
   // Returns true if the device went offline.
-  bool device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now, ActionSink& sink);
+  bool device_failed(DeviceIndex device, const Wire::Ended& ended, bool connection_lost,
+                     Instant now, ActionSink& sink);
 
   BusParts& parts_;
   const BusSetup& setup_;

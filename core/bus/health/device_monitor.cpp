@@ -133,17 +133,23 @@ void DeviceMonitor::busy(DeviceIndex index, Instant now) {
   device.paused_until = std::max(device.paused_until, now + kBusyPause);
 }
 
-bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSink& sink) {
+bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSink& sink,
+                           bool connection_lost) {
   Device& device = devices_[index];
   ++device.report.failures;
-  if (!device.health.failed(cause, now)) return false;
+  if (!device.health.failed(cause, now, connection_lost)) return false;
   if (!device.health.offline()) {
-    sink.notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)));
+    sink.notice(Notice::Kind::kDeviceErrors, index, cause,
+                cause == Cause::kPortClosed ? "the connection was closed when it was polled"
+                                            : std::string(to_text(cause)));
     return false;
   }
   device.forget();
   sink.notice(Notice::Kind::kDeviceLost, index, cause,
               !probed_[index] ? "sends nothing any more"
+              : connection_lost
+                  ? "each request to it costs the connection; polled less and less often until it "
+                    "responds"
               : cause == Cause::kDeviceBusy
                   ? "reports that it cannot respond now; polled less and less often until it can"
                   : "does not respond; polled less and less often until it does");
@@ -255,7 +261,8 @@ Instant DeviceMonitor::next_probe() const {
 
 void DeviceMonitor::opened(Instant now) {
   for (Device& device : devices_) {
-    if (device.health.offline()) device.health.probe_from(now);
+    // A device that costs the connection would cost this one immediately.
+    if (device.health.offline() && !device.health.connection_lost()) device.health.probe_from(now);
     device.probe_not_before = kLongAgo;
   }
 }

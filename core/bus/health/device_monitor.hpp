@@ -80,7 +80,9 @@ class DeviceMonitor {
   // True after two such responses; a single one may concern its block only.
   [[nodiscard]] bool stays_busy(DeviceIndex device) const { return devices_[device].busy(); }
   // No response, or kDeviceBusy. Returns true if the device went offline; discards learned values.
-  [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink);
+  // `connection_lost`: see DeviceHealth.
+  [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink,
+                            bool connection_lost = false);
 
   // `wasted`: wire time of the failure.
   void defer_if_sick(DeviceIndex device, Duration wasted, Instant now);
