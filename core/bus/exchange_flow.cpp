@@ -184,9 +184,10 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool busy = ended.cause == Cause::kDeviceBusy;
   // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
   // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
-  // frame only costs its exchange.
+  // frame only costs its exchange; and so does a whole frame of TCP with a wrong content.
   const bool numbered = setup_.protocol(device).traits().identity == ResponseIdentity::kSequence;
-  const bool framing_lost = ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp();
+  const bool framing_lost = ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp() &&
+                            !parts_.wire().driver().ended_in_silence();
   if (ended.responded && !busy) devices_.responded(device, sink);
   deliver(flight, ended, now, sink);
   const bool lost = (!ended.responded || busy) && !dropped && !flight.spare_time &&

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 class LostConnection : public testing::Test {
  protected:
-  enum class Fault : std::uint8_t { kNone, kCloses, kInvalidHeader };
+  enum class Fault : std::uint8_t { kNone, kCloses, kInvalidHeader, kInvalidPdu };
   static constexpr Duration kReopening = 100ms;
   static constexpr Duration kResponseTime = 5ms;
 
@@ -90,6 +90,7 @@ class LostConnection : public testing::Test {
         response[3] = 9;
         append(response, Bytes{0, 5, request[6], 3, 2, 0, 7});
         break;
+      case Fault::kInvalidPdu: append(response, Bytes{0, 7, request[6], 3, 4, 0, 7, 0, 7}); break;
     }
     feed(Received{response});
   }
@@ -141,6 +142,16 @@ TEST_F(LostConnection, AUnitWithInvalidHeadersIsPolledLessAndLessOften) {
   EXPECT_EQ(unit(1).causes[Cause::kMalformed], unit(1).failures);
   EXPECT_LE(asked_.size(), 9u);
   EXPECT_LE(longest_gap_, 1s + kReopening);
+}
+
+TEST_F(LostConnection, AWholeFrameWithAnInvalidPduCostsOnlyItsExchange) {
+  fault_ = Fault::kInvalidPdu;
+  run(60s);
+  EXPECT_EQ(losses_, 0u);
+  EXPECT_EQ(unit(1).state, DeviceState::kDegraded);
+  EXPECT_GT(unit(1).causes[Cause::kMalformed], 0u);
+  EXPECT_LE(longest_gap_, 1s);
+  EXPECT_TRUE(bad_.empty());
 }
 
 struct LostConnectionInFlight : LostConnection {

@@ -9,6 +9,7 @@ void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout,
   exchange_ = std::move(exchange);
   timeout_ = timeout;
   echo_is_distinct_ = echo_is_distinct;
+  ended_in_silence_ = false;
   cause_ = Cause::kNone;
   device_code_ = 0;
   requests_ = 0;
@@ -68,6 +69,7 @@ ExchangeDriver::Outcome ExchangeDriver::on_bytes(ByteView bytes, Instant now, By
     return Outcome::kWaiting;
   }
   out.clear();
+  ended_in_silence_ = false;
   return follow(exchange_->on_bytes(received_, out), now, out);
 }
 
@@ -75,7 +77,8 @@ ExchangeDriver::Outcome ExchangeDriver::on_frame(ByteView frame, Instant now, By
   received_.assign(frame.begin(), frame.end());
   out.clear();
   Step step = exchange_->on_bytes(frame, out);
-  if (step.kind == Step::Kind::kNeedMore) step = exchange_->on_silence(out);
+  ended_in_silence_ = step.kind == Step::Kind::kNeedMore;
+  if (ended_in_silence_) step = exchange_->on_silence(out);
   const bool foreign = step.kind == Step::Kind::kFailed &&
                        (step.cause == Cause::kForeign || step.cause == Cause::kNoResponse);
   if (foreign) return Outcome::kWaiting;
@@ -86,6 +89,7 @@ ExchangeDriver::Outcome ExchangeDriver::on_frame(ByteView frame, Instant now, By
 
 ExchangeDriver::Outcome ExchangeDriver::on_timer(Instant now, Bytes& out) {
   out.clear();
+  ended_in_silence_ = true;
   return follow(exchange_->on_silence(out), now, out);
 }
 

@@ -52,6 +52,8 @@ class ExchangeDriver {
   std::unique_ptr<Exchange> finish() { return std::move(exchange_); }
 
   [[nodiscard]] Cause cause() const { return cause_; }
+  // The exchange failed because its frames ended, not because a byte contradicts the protocol.
+  [[nodiscard]] bool ended_in_silence() const { return ended_in_silence_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
   [[nodiscard]] unsigned requests() const { return requests_; }
   // Whether no response is expected to the last request.
@@ -107,6 +109,7 @@ class ExchangeDriver {
   Duration timeout_{};
   unsigned requests_ = 0;
   bool without_response_ = false;
+  bool ended_in_silence_ = false;
   Bytes sent_;
   Bytes received_;  // since the last send, without the echo
   Instant sent_until_{}, confirmed_until_ = kLongAgo;
