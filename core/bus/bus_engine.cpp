@@ -369,7 +369,13 @@ void BusEngine::give_all_up(std::optional<Cause> cause, Instant now, ActionSink&
 void BusEngine::reopen(Reopen action, std::optional<Cause> cause, Instant now, ActionSink& sink) {
   sink.push(std::move(action));
   state_ = BusState::kOpening;
+  ++reopened_;
   give_all_up(cause, now, sink);
+  for (DeviceIndex device = 0; device < parts_.setup.devices(); ++device) {
+    if (parts_.devices.offline(device)) continue;  // its own cause is known
+    for (ChannelIndex c = parts_.channels.first_of(device); c < parts_.channels.end_of(device); ++c)
+      parts_.channels.failing(c, Cause::kPortClosed, now);
+  }
 }
 
 // A command is alone on the connection, so no read that began before a write ends after it. Reads

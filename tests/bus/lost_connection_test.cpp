@@ -154,6 +154,26 @@ TEST_F(LostConnection, AWholeFrameWithAnInvalidPduCostsOnlyItsExchange) {
   EXPECT_TRUE(bad_.empty());
 }
 
+TEST_F(LostConnection, EachReopeningIsCounted) {
+  for (const Fault fault : {Fault::kCloses, Fault::kInvalidHeader}) {
+    fault_ = fault;
+    run(10s);
+    EXPECT_EQ(engine_.bus_report(now_).reopened, losses_);
+  }
+  EXPECT_GT(losses_, 2u);
+}
+
+// The bridge closed the connection itself, which explains what it does not read meanwhile.
+TEST_F(LostConnection, ValuesThatExpireMeanwhileSayWhy) {
+  fault_ = Fault::kInvalidHeader;
+  while (losses_ == 0) run(1ms);
+  open_at_ = kNever;
+  bad_.clear();
+  run(2s);
+  EXPECT_EQ(bad_, std::vector{Quality::kBadNoResponse});
+  EXPECT_EQ(engine_.bus_report(now_).misses[Cause::kLate], 0u);
+}
+
 struct LostConnectionInFlight : LostConnection {
   LostConnectionInFlight() : LostConnection(4) {}
 };
@@ -165,6 +185,7 @@ TEST_F(LostConnectionInFlight, TheOldestRequestIsThatOfTheUnit) {
     EXPECT_EQ(unit(0).state, DeviceState::kOnline);
     EXPECT_EQ(unit(0).failures, 0u);
     EXPECT_EQ(unit(1).state, DeviceState::kOffline);
+    EXPECT_EQ(engine_.bus_report(now_).reopened, losses_);
   }
   EXPECT_LE(longest_gap_, 1s + kReopening);
 }
