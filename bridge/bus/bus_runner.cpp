@@ -26,7 +26,6 @@
 #include "core/model/command.hpp"
 
 namespace fieldcast {
-
 namespace {
 
 namespace asio = boost::asio;
@@ -208,14 +207,14 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void on_closed(std::string reason, Cause cause) override {
     reason = with_port_name(spec_.port, reason);
-    open_ = false;
+    const bool was_open = std::exchange(open_, false);
     revoke(reason);
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
     record_.remark("the port is closed: " + reason, mapping_.to_utc(now));
     report_soon_ = true;
     process(Closed{std::move(reason), cause}, now);
-    reopen_later(now);
+    reopen_later(now, was_open);
   }
 
  private:
@@ -289,9 +288,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
   void execute(const Reopen& reopen, Instant now) {
     notices_.port_closed(reopen.reason, now);
-    open_ = false;
     port_->close();
-    reopen_later(now);
+    reopen_later(now, std::exchange(open_, false));
   }
   void execute(const Notice& notice, Instant now) {
     notices_.notice(notice, now);
@@ -328,8 +326,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     open_port();
   }
 
-  void reopen_later(Instant now) {
+  // A connection that carried a response works, and perhaps one device closes it.
+  void reopen_later(Instant now, bool was_open) {
     if (stopped_) return;
+    if (was_open && engine_.responded_since_opened()) back_off_.reset();
     if (watch_) watch_->start(tried_);
     reopening_.expires_after(back_off_.closed(now));
     reopening_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {

@@ -42,6 +42,11 @@ class BusEngine {
   }
 
   [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
+  // Whether a device responded since the port was opened last.
+  [[nodiscard]] bool responded_since_opened() const {
+    return parts_.devices.responded_since_opened();
+  }
+
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
   // Received bytes need no delivery before this time; kLongAgo: deliver them as they arrive.

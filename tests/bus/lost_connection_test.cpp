@@ -174,6 +174,15 @@ TEST_F(LostConnection, ValuesThatExpireMeanwhileSayWhy) {
   EXPECT_EQ(engine_.bus_report(now_).misses[Cause::kLate], 0u);
 }
 
+TEST_F(LostConnection, AResponseShowsThatTheConnectionWorks) {
+  EXPECT_FALSE(engine_.responded_since_opened());
+  while (last_good_ == kLongAgo || losses_ == 0) run(1ms);
+  run(kReopening - 2ms);
+  EXPECT_TRUE(engine_.responded_since_opened()) << "of the last connection";
+  run(4ms);
+  EXPECT_FALSE(engine_.responded_since_opened());
+}
+
 struct LostConnectionInFlight : LostConnection {
   LostConnectionInFlight() : LostConnection(4) {}
 };

@@ -98,6 +98,7 @@ void DeviceMonitor::judge_garbage(const Try& ended, bool responded, ActionSink& 
 }
 
 void DeviceMonitor::responded(DeviceIndex index, ActionSink& sink) {
+  responded_since_opened_ = true;
   DeviceHealth& health = devices_[index].health;
   const bool was_offline = health.offline();
   if (health.responded() && was_offline)
@@ -260,6 +261,7 @@ Instant DeviceMonitor::next_probe() const {
 }
 
 void DeviceMonitor::opened(Instant now) {
+  responded_since_opened_ = false;
   for (Device& device : devices_) {
     // A device that costs the connection would cost this one immediately.
     if (device.health.offline() && !device.health.connection_lost()) device.health.probe_from(now);

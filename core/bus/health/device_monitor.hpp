@@ -100,6 +100,7 @@ class DeviceMonitor {
 
   [[nodiscard]] bool offline(DeviceIndex device) const { return devices_[device].health.offline(); }
   [[nodiscard]] bool all_offline() const;
+  [[nodiscard]] bool responded_since_opened() const { return responded_since_opened_; }
   [[nodiscard]] bool sick(DeviceIndex device) const { return devices_[device].sick(); }
   [[nodiscard]] Duration longest_response(DeviceIndex device) const {
     return devices_[device].response_time.longest();
@@ -144,6 +145,7 @@ class DeviceMonitor {
   std::vector<std::optional<Range>> probed_;
   std::vector<Device> devices_;  // behind the configured ones, the ad-hoc devices
   bool anybody_responded_ = false;
+  bool responded_since_opened_ = false;
 };
 
 }  // namespace fieldcast

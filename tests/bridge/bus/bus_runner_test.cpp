@@ -11,6 +11,7 @@
 #include "bridge/base/io_thread.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
+#include "tests/bridge/support/tcp_device.hpp"
 
 namespace fieldcast::test {
 namespace {
@@ -300,6 +301,19 @@ TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
       sink.wait_for([&](const Record& r) { return goods_after(r, before); }, milliseconds{1000}));
   stop();
   std::filesystem::remove_all(folder);
+}
+
+// The back-off after each connection would be 0.1, 0.2, 0.4, 0.8, 1.6, 3.2 and 6.4 s.
+TEST_F(BusRunnerTest, AConnectionThatCarriedAResponseIsOpenedAgainWithoutDelay) {
+  TcpDevice device;
+  device.close_after_answers();
+  BusSpec bus = bus_at("");
+  bus.port = TcpPortSpec{.host = "127.0.0.1", .port = device.port()};
+  bus.devices.front().protocol = "modbus-tcp";
+  begin(bus);
+  EXPECT_TRUE(sink.wait_for([](const Record& r) { return good_samples(r) >= 32; },
+                            std::chrono::seconds{10}))
+      << "four samples of each connection";
 }
 
 // Register 0xCEC2 holds its own number, which is a character in GBK.

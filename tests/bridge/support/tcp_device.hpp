@@ -63,6 +63,8 @@ class TcpDevice {
     }
     return count;
   }
+  // Each connection carries one exchange.
+  void close_after_answers() { closes_ = true; }
   void answer_writes_after(std::chrono::milliseconds time) { write_delay_ = time; }
 
  private:
@@ -102,6 +104,7 @@ class TcpDevice {
       if (from.bytes.size() < whole) break;
       answer(from, from.bytes.substr(0, whole));
       from.bytes.erase(0, whole);
+      if (closes_) return false;
     }
     return true;
   }
@@ -145,6 +148,7 @@ class TcpDevice {
   std::mutex mutex_;
   std::vector<Request> requests_;
   std::atomic<std::chrono::milliseconds> write_delay_{std::chrono::milliseconds{0}};
+  std::atomic<bool> closes_ = false;
   std::atomic<bool> ending_ = false;
   std::thread thread_;
 };
