@@ -114,7 +114,7 @@ TEST(Garbage, IsWorthSayingWhenItIsNotASingleNoise) {
   EXPECT_FALSE(garbage.received(Bytes{0x56}, kRequest, 9));
   EXPECT_TRUE(garbage.received(Bytes{0x78}, kRequest, 9));
   EXPECT_THAT(
-      garbage.text(k8N1, false),
+      garbage.text(&k8N1, false),
       StartsWith("bytes arrive that are not a response: 4 in 3 exchanges, the last ones 12 34 56 "
                  "78: no frame of this protocol: try another baud"));
   EXPECT_TRUE(garbage.responded());
@@ -126,7 +126,7 @@ TEST(Garbage, AnEchoAloneIsNamed) {
   Garbage garbage;
   for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
     (void)garbage.received(kRequest, kRequest, 9);
-  EXPECT_THAT(garbage.text(k8N1, false), HasSubstr("what was sent comes back"));
+  EXPECT_THAT(garbage.text(&k8N1, false), HasSubstr("what was sent comes back"));
 }
 
 // Regression: registers of value 0 were reported as wrong parity on a line with parity.
@@ -139,7 +139,7 @@ TEST(Garbage, BrokenResponsesOfTheRightLineAreNotAWrongParity) {
     Garbage garbage;
     for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
       (void)garbage.received(answer, kRequest, kExpected);
-    return garbage.text(k8E1, false);
+    return garbage.text(&k8E1, false);
   };
   EXPECT_THAT(said(25), AllOf(HasSubstr("right length, but a wrong checksum"),
                               HasSubstr("two devices have this address"), Not(HasSubstr("8N1"))));
@@ -149,11 +149,21 @@ TEST(Garbage, BrokenResponsesOfTheRightLineAreNotAWrongParity) {
                               Not(HasSubstr("8N1"))));
 }
 
+// A frame of Modbus TCP has no checksum, and its connection has no baud rate.
+TEST(Garbage, AConnectionWithoutLineHasNoAdviceForLines) {
+  Garbage garbage;
+  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
+    (void)garbage.received(Bytes{1, 3, 4, 0, 0, 0, 0, 0, 0}, kRequest, 9);
+  EXPECT_THAT(
+      garbage.text(nullptr, true),
+      AllOf(HasSubstr("another structure"), Not(HasSubstr("baud")), Not(HasSubstr("checksum"))));
+}
+
 TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
   Garbage garbage;
   for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
     (void)garbage.received(Bytes{1, 0, 0, 0x20, 0, 0, 0, 0}, kRequest, 9);
-  EXPECT_THAT(garbage.text(k8E1, false), HasSubstr("try 8N1"));
+  EXPECT_THAT(garbage.text(&k8E1, false), HasSubstr("try 8N1"));
   EXPECT_EQ(response_shape(kRequest, kRequest, 9), ResponseShape::kOther) << "an echo";
   EXPECT_EQ(response_shape(Bytes{1, 3, 4}, kRequest, 0), ResponseShape::kOther)
       << "of unknown length";
@@ -162,7 +172,7 @@ TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
 TEST(Garbage, ShowsTheLastBytesOfAFlood) {
   Garbage garbage;
   for (int i = 0; i < 1000; ++i) (void)garbage.received(Bytes(300, 0x5A), kRequest, 9);
-  const std::string text = garbage.text(k8N1, false);
+  const std::string text = garbage.text(&k8N1, false);
   EXPECT_THAT(text, HasSubstr("300000 in 1000 exchanges"));
   EXPECT_LT(text.size(), 300u);
 }

@@ -93,7 +93,8 @@ void DeviceMonitor::judge_garbage(const Try& ended, bool responded, ActionSink& 
                   "its responses can be read again");
   } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent, ended.expected)) {
     sink.notice(Notice::Kind::kGarbage, ended.device, Cause::kNone,
-                garbage.text(setup_.line(), over_network(setup_.spec().port)));
+                garbage.text(setup_.timeless() || setup_.datagrams() ? nullptr : &setup_.line(),
+                             over_network(setup_.spec().port)));
   }
 }
 

@@ -153,16 +153,25 @@ bool Garbage::responded() {
   return said;
 }
 
-std::string Garbage::text(const LineFormat& line, bool over_network) const {
+std::string Garbage::text(const LineFormat* line, bool over_network) const {
   const ByteView all = last_;
   const ResponseShape broken = shape();
+  std::string diagnosis;
+  if (line == nullptr)
+    diagnosis =
+        "the device or its gateway sends a response with another structure, as `fieldcast inspect` "
+        "shows; check that the protocol and the unit are the right ones";
+  else if (echo_)
+    diagnosis =
+        "what was sent comes back, and nothing else: an adapter that gives back what it sends, and "
+        "a device that does not respond; check the device and its address";
+  else if (broken != ResponseShape::kOther)
+    diagnosis = broken_response_text(broken);
+  else
+    diagnosis = looks_like(all, *line, over_network);
   return "bytes arrive that are not a response: " + std::to_string(bytes_) + " in " +
          std::to_string(exchanges_) + " exchanges, the last ones " +
-         to_hex(all.last(std::min(all.size(), kShown))) + ": " +
-         (echo_ ? "what was sent comes back, and nothing else: an adapter that gives back what it "
-                  "sends, and a device that does not respond; check the device and its address"
-          : broken != ResponseShape::kOther ? std::string(broken_response_text(broken))
-                                            : looks_like(all, line, over_network));
+         to_hex(all.last(std::min(all.size(), kShown))) + ": " + diagnosis;
 }
 
 }  // namespace fieldcast

@@ -35,7 +35,8 @@ class Garbage {
   bool responded();
 
   // One line with the number of bytes, the last ones, the diagnosis and the fix.
-  [[nodiscard]] std::string text(const LineFormat& line, bool over_network) const;
+  // `line`: null for a connection without a serial line.
+  [[nodiscard]] std::string text(const LineFormat* line, bool over_network) const;
 
  private:
   [[nodiscard]] ResponseShape shape() const;
