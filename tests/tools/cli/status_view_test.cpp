@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -51,6 +52,18 @@ TEST(StatusView, EachNumberHasItsNameAndItsUnit) {
             "  refused   addresses, which are left out of blocks: holding:107\n"
             "  gaps      unused addresses between channels that it refuses to read, so that\n"
             "            no block runs across them: holding:110..115\n");
+}
+
+TEST(StatusView, AnUnknownDeviceSaysWhatIsKnownOfIt) {
+  StatusModel model = plant();
+  StationBusStatus& bus = model.buses.at("press-shop");
+  StationDeviceStatus device = model.devices.begin()->second;
+  device.report.state = DeviceState::kUnknown;
+  EXPECT_THAT(device_words(device, &bus), HasSubstr("it was not asked yet"));
+  device.report.exchanges = 10;
+  EXPECT_EQ(device_words(device, &bus), "unknown: it has not responded yet");
+  bus.report.state = BusState::kClosed;
+  EXPECT_EQ(device_words(device, &bus), "unknown: the port of its bus is closed");
 }
 
 StationBridge bridge_of(const std::string& name, bool serving, const std::string& group = "") {

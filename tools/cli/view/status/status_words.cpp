@@ -18,8 +18,8 @@ struct Advice {
 };
 
 constexpr std::string_view kLineSettings =
-    "bytes arrive that are not responses: check baud rate, parity and stop bits, and for a second "
-    "device of this address; the bridge's log says what the bytes look like";
+    "bytes arrive that are not responses: on a serial line, check baud rate, parity and stop bits, "
+    "and for a second device of this address; the bridge's log says what the bytes look like";
 constexpr std::array kAdvice{
     Advice{Cause::kNoResponse, "look at its power, its cable, its address and the baud rate"},
     Advice{Cause::kTruncated, kLineSettings},
@@ -27,6 +27,7 @@ constexpr std::array kAdvice{
     Advice{Cause::kMalformed, kLineSettings},
     Advice{Cause::kForeign, "look for a second device of this address, or another master"},
     Advice{Cause::kOverlong, kLineSettings},
+    Advice{Cause::kPortClosed, "the other side closes the connection when it is polled"},
     Advice{Cause::kPortMissing, "look whether the adapter is plugged in, and at `port`"},
     Advice{Cause::kPortDenied, "the bridge's user must be in the group of the port (dialout)"},
     Advice{Cause::kPortInUse, "end the other program; fuser PORT names it"},
@@ -131,7 +132,11 @@ std::string device_words(const StationDeviceStatus& device, const StationBusStat
   const auto sorted = by_count(device.causes);
   switch (device.report.state) {
     case DeviceState::kUnknown:
-      return "unknown: it was not asked yet, or nothing of it is read by itself";
+      if (device.report.exchanges == 0)
+        return "unknown: it was not asked yet, or nothing of it is read by itself";
+      return bus != nullptr && bus->report.state == BusState::kClosed
+                 ? "unknown: the port of its bus is closed"
+                 : "unknown: it has not responded yet";
     case DeviceState::kOnline: return "online";
     case DeviceState::kDegraded:
       return sorted.empty() ? std::string("degraded: some exchanges with it failed")
