@@ -345,6 +345,46 @@ TEST_F(CommandQueueTest, TheFirstWhoseDeviceMayBeAskedGoes) {
   EXPECT_TRUE(queue_.keeps_wire());
 }
 
+// Regression: a long read command of a device that paused held back the commands of all others.
+TEST_F(CommandQueueTest, CommandsOfOtherDevicesComeBetweenTheRequestsOfARead) {
+  accept(of("a", acquire("", "unit-2")));
+  ASSERT_EQ(next()->device, 1u);
+  queue_.responded(1, test::items({0, 1, 0, 2}), Instant{}, Instant{}, sink_);
+  accept(of("a", write("r0", 1)));
+  const CommandQueue::Gate pause = [](const CommandJob& job) {
+    return job.device() == 1 ? Instant{1s} : kLongAgo;
+  };
+  EXPECT_EQ(queue_.sendable_from(pause), kLongAgo);
+  ASSERT_EQ(queue_.next(Instant{}, pause, false)->device, 0u);
+  actions_.clear();
+  queue_.responded(1, test::items({0, 1}), Instant{}, Instant{}, sink_);
+  EXPECT_EQ(results().size(), 1u);
+  EXPECT_FALSE(queue_.next(Instant{}, pause, false)) << "the read still waits for its device";
+  EXPECT_EQ(queue_.next(Instant{1s}, pause, false)->device, 1u);
+}
+
+TEST_F(CommandQueueTest, ARequesterHasItsTurnBetweenTheRequestsOfTheReadOfAnother) {
+  accept(of("a", acquire("", "unit-2")));
+  accept(of("a", write("r2", 1)));
+  accept(of("b", write("r0", 1)));
+  ASSERT_TRUE(next());
+  queue_.responded(1, test::items({0, 1, 0, 2}), Instant{}, Instant{}, sink_);
+  EXPECT_EQ(serve(), "b");
+  EXPECT_EQ(next()->device, 1u) << "the read of a is older than its write";
+}
+
+TEST_F(CommandQueueTest, AReadThatIsRefusedBetweenItsRequestsCannotHaveTakenEffect) {
+  accept(acquire("", "unit-2"));
+  ASSERT_TRUE(next());
+  queue_.responded(1, test::items({0, 1, 0, 2}), Instant{}, Instant{}, sink_);
+  actions_.clear();
+  queue_.refuse_all(Cause::kOffline, "port is down", Instant{1s}, sink_);
+  const auto all = results();
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].state, CommandState::kFailed);
+  EXPECT_EQ(all[0].reason, "port is down");
+}
+
 TEST_F(CommandQueueTest, WhatHasBegunDoesNotExpire) {
   Command begun = write("r0", 1), waits = write("r3", 1, "unit-2");
   waits.operation = Operation::kAcquire;

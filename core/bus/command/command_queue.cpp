@@ -258,7 +258,11 @@ void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, In
 
 void CommandQueue::not_sent(std::size_t batch) {
   for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.not_sent();
-  begun_ = waiting_.front().job.started();
+  begun_ = first_is_begun_write();
+}
+
+bool CommandQueue::first_is_begun_write() const {
+  return waiting_.front().job.started() && first()->operation == Operation::kWrite;
 }
 
 void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {
@@ -279,7 +283,7 @@ void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, Acti
     left(each);
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(at));
   }
-  begun_ = at > 0;
+  begun_ = at > 0 && first_is_begun_write();
 }
 
 void CommandQueue::expire(BusState bus, Instant now, ActionSink& sink) {
@@ -313,7 +317,8 @@ void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant no
         refusal(each.job.command(), CommandState::kRejected, cause, reason, each.received, now);
     if (each.job.started()) {
       result.state = CommandState::kFailed;
-      result.reason += "; unknown whether it took effect";
+      if (each.job.command().operation == Operation::kWrite)
+        result.reason += "; unknown whether it took effect";
     }
     sink.push(Complete{std::move(result)});
   }

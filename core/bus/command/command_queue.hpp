@@ -44,7 +44,8 @@ class CommandQueue {
   // precedes a temporary one. While the port is opening the command waits.
   void accept(const Command& command, const Condition& condition, Instant now, ActionSink& sink);
 
-  // The first command whose device can be polled; it stays first until it is finished.
+  // The first command whose device can be polled. A write stays first until it is finished; other
+  // commands may come between two requests of a read.
   [[nodiscard]] std::optional<Next> next(Instant now, const Gate& gate, bool echo_unknown);
   // Result of the request of the last next(). `acquired`: arrival of the response.
   void responded(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
@@ -104,6 +105,7 @@ class CommandQueue {
                                                      const Condition& condition, Instant now) const;
   [[nodiscard]] std::size_t gather(WriteRequest& write);
   void finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink);
+  [[nodiscard]] bool first_is_begun_write() const;
   // Completes a gateway's read, if the response contains its items and is fresh enough.
   [[nodiscard]] bool complete_from(const DeviceResponse& response, CommandJob& job,
                                    Instant received, Instant now, ActionSink& sink) const;
@@ -112,13 +114,13 @@ class CommandQueue {
   ChannelTable& channels_;
   TextCodec& codec_;
   ResponseCache responses_;
-  std::deque<Waiting> waiting_;  // in order of arrival; a started command is first
+  std::deque<Waiting> waiting_;  // in order of arrival; the begun command is first
   std::map<std::string, Owner, std::less<>> owners_;
   std::size_t bytes_ = 0;
   std::size_t alone_ = 0;  // commands that are no reads in spare time
   std::uint64_t turn_ = 0;
   std::vector<Instant> last_write_;
-  bool begun_ = false;
+  bool begun_ = false;  // the first command is in flight, or a write between two requests
   std::uint64_t done_ = 0;
 };
 
