@@ -205,9 +205,12 @@ std::vector<AlarmRecord> AlarmTable::active_of(const std::string& bus) const {
 
 AlarmReporter::AlarmReporter(AlarmTable& table, const BusSpec& bus)
     : table_(table), monitor_(bus), bus_(bus.name) {
+  ChannelIndex index = 0;
   for (const DeviceSpec& device : bus.devices) {
-    for (const ChannelSpec& channel : device.channels)
-      names_.emplace_back(device.name, channel.name);
+    for (const ChannelSpec& channel : device.channels) {
+      if (monitor_.has_limits(index)) names_.try_emplace(index, device.name, channel.name);
+      ++index;
+    }
   }
 }
 
@@ -238,12 +241,12 @@ std::vector<AlarmChange> AlarmReporter::restore() {
   const UtcMapping now = read_clocks();
   for (const AlarmRecord& record : table_.active_of(bus_)) {
     const auto limit = limit_kind_from(record.limit);
-    const auto name =
-        std::find(names_.begin(), names_.end(), std::pair{record.device, record.channel});
-    if (!limit || name == names_.end()) continue;
-    monitor_.restore({static_cast<ChannelIndex>(name - names_.begin()), *limit, AlarmState::kActive,
-                      record.value, now.to_instant(record.since)},
-                     changes);
+    const auto named = std::ranges::find(names_, std::pair{record.device, record.channel},
+                                         &decltype(names_)::value_type::second);
+    if (!limit || named == names_.end()) continue;
+    monitor_.restore(
+        {named->first, *limit, AlarmState::kActive, record.value, now.to_instant(record.since)},
+        changes);
   }
   note(changes, now, Origin::kRestored);
   return changes;

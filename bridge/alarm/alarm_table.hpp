@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -95,7 +96,8 @@ class AlarmReporter {
   AlarmTable& table_;
   AlarmMonitor monitor_;
   const std::string bus_;
-  std::vector<std::pair<std::string, std::string>> names_;  // device and channel, by channel index
+  // Device and channel of those with limits.
+  std::map<ChannelIndex, std::pair<std::string, std::string>> names_;
   std::uint64_t restored_ = 0;
 };
 

@@ -22,6 +22,7 @@ class AlarmMonitor {
  public:
   explicit AlarmMonitor(const BusSpec& bus);
 
+  [[nodiscard]] bool has_limits(ChannelIndex channel) const { return watched_.at(channel) != 0; }
   // REQUIRES: valid channel indices.
   void on_samples(std::span<const Sample> samples, Instant now, std::vector<AlarmChange>& changes);
   // Continues an active alarm: appends the change, if the channel has such a limit.

@@ -100,6 +100,8 @@ bool BusCatalogue::write_block(std::size_t first) {
   block.epoch(epoch_);
   block.first(static_cast<std::uint32_t>(first));
   block.channels(static_cast<std::uint32_t>(channels_.size()));
+  // The library keeps the first message of an instance as its key: this one has no entries.
+  (void)blocks_->register_instance(&block);
   block.entries().resize(std::min(kPerBlock, channels_.size() - first));
   idl::Channel message;
   for (std::size_t i = 0; i < block.entries().size(); ++i) {

@@ -52,6 +52,7 @@ SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const Bu
       if (channel.access != Access::kWriteOnly) attach(slot, promised_gap(channel));
     }
   }
+  slots_.shrink_to_fit();
 }
 
 SampleWriters::~SampleWriters() { dispose(Duration::zero()); }

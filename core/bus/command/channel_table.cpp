@@ -38,8 +38,7 @@ Duration gap_of(const ChannelSpec& spec, std::optional<Duration> refresh) {
 
 }  // namespace
 
-ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
-    : codec_(codec), names_(bus.devices.size()) {
+ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec) : codec_(codec) {
   DeviceIndex device = 0;
   for (const DeviceSpec& spec : bus.devices) {
     first_.push_back(static_cast<ChannelIndex>(entries_.size()));
@@ -55,17 +54,25 @@ ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
         entry.freshness =
             Freshness(channel.refresh + spare, gap_of(channel, channel.refresh) + spare);
       entries_.push_back(std::move(entry));
-      names_[device].emplace(channel.name, index);
+      by_name_.push_back(index);
     }
+    std::sort(
+        by_name_.begin() + first_.back(), by_name_.end(),
+        [this](ChannelIndex a, ChannelIndex b) { return this->spec(a).name < this->spec(b).name; });
     ++device;
   }
   first_.push_back(static_cast<ChannelIndex>(entries_.size()));
+  entries_.shrink_to_fit();
 }
 
 std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_view name) const {
-  const auto found = names_[device].find(name);
-  if (found == names_[device].end()) return std::nullopt;
-  return found->second;
+  const auto end = by_name_.begin() + end_of(device);
+  const auto found = std::lower_bound(by_name_.begin() + first_of(device), end, name,
+                                      [this](ChannelIndex channel, std::string_view wanted) {
+                                        return spec(channel).name < wanted;
+                                      });
+  if (found == end || spec(*found).name != name) return std::nullopt;
+  return *found;
 }
 
 void ChannelTable::inherit(const Sample& sample) {

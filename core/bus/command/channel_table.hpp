@@ -8,7 +8,6 @@
 #include <queue>
 #include <span>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "core/bus/command/freshness.hpp"
@@ -111,7 +110,7 @@ class ChannelTable {
   TextCodec& codec_;
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;
-  std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
+  std::vector<ChannelIndex> by_name_;  // of each device, in the order of their names
   // Lazy: an old entry is queued again when it expires; one that differs from `queued` is ignored.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
