@@ -24,8 +24,9 @@ constexpr double kNumbersPerSecond = 100'000, kCreditSeconds = 60;
 // Number of our own message that a participant has left: above those of its writer, and below the
 // numbers that IncomingFilter uses (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
-constexpr std::uint8_t kFinal = 2;                 // the flag of a HEARTBEAT
-constexpr std::size_t kFirstAt = 12;               // offset in HEARTBEAT and GAP
+constexpr std::uint8_t kFinal = 2;                 // the flag of a HEARTBEAT or ACKNACK
+constexpr std::size_t kFirstAt = 12;               // offset in HEARTBEAT, GAP and ACKNACK
+constexpr std::size_t kMostAcknowledged = 4096;    // pairs of a reader and a writer
 constexpr std::size_t kMostOfOneParticipant = 16;  // addresses
 
 void put(std::span<std::uint8_t> to, std::uint32_t value, bool little) {
@@ -81,13 +82,17 @@ std::span<std::uint8_t> DatagramGuard::copy() {
   return *scratch_;
 }
 
+ParticipantPrefix DatagramGuard::sender() const {
+  ParticipantPrefix prefix{};
+  std::copy_n(datagram_.begin() + kPrefixAt, prefix.size(), prefix.begin());
+  return prefix;
+}
+
 // Returns false if a discovery event names a participant that sends from other addresses.
 bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
   if (limits_.relayed || (event.writer[3] & kBuiltIn) != kBuiltIn || is_loopback(from_))
     return true;
-  ParticipantPrefix sender{};
-  std::copy_n(datagram_.begin() + kPrefixAt, sender.size(), sender.begin());
-  const auto found = participants_.find(sender);
+  const auto found = participants_.find(sender());
   if (found == participants_.end()) return true;
   Participant& of = found->second;
   if (std::ranges::count(of.addresses, from_) != 0) return true;
@@ -103,6 +108,10 @@ std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
   // The library ignores it.
   if (event.to != ParticipantPrefix{} && own_ != ParticipantPrefix{} && event.to != own_)
     return std::nullopt;
+  if (event.kind == Submessage::kAckNack) {
+    on_acknowledgement(event);
+    return std::nullopt;
+  }
   if (!is_of_sender(event)) return RtpsFault::kSender;
   switch (event.kind) {
     case Submessage::kHeartbeat: return on_heartbeat(event);
@@ -147,7 +156,7 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
   if (participants_.size() >= limits_.participants && !make_room(false))
     return RtpsFault::kParticipants;
   Participant& joined = participants_[prefix];
-  joined = {now_, std::chrono::seconds{facts.lease_seconds}, ++joined_, {}, {from_}};
+  joined = {now_, std::chrono::seconds{facts.lease_seconds}, ++joined_, {}, {from_}, {}};
   add_addresses(joined, facts);
   return std::nullopt;
 }
@@ -335,6 +344,25 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   put(part.subspan(kFirstAt + 16), ++writer.count, event.little);
   limit_count(event, writer, event.base);
   return std::nullopt;
+}
+
+void DatagramGuard::on_acknowledgement(const RtpsEvent& event) {
+  const auto of = participants_.find(sender());
+  if (of == participants_.end()) return;  // the library ignores it
+  auto& known = of->second.acknowledged;
+  if (known.size() >= kMostAcknowledged) known.clear();
+  const auto [found, is_new] =
+      known.try_emplace({event.reader, event.writer}, Acknowledged{event.base, event.count});
+  Acknowledged& last = found->second;
+  if (is_new || event.count <= last.count) return;  // the library ignores repetitions
+  const bool is_lower = event.base < last.base;
+  last = {event.base, event.count};
+  if (!is_lower) return;
+  const auto part = copy().subspan(event.at);
+  part[1] &= static_cast<std::uint8_t>(~kFinal);
+  put_number(part.subspan(kFirstAt), 0, event.little);
+  put(part.subspan(kFirstAt + 8), 0, event.little);  // no number is missing
+  put(part.subspan(kFirstAt + 12), event.count, event.little);
 }
 
 // A new fragmented sample costs its size; the sum is restored within kFragmentSeconds.

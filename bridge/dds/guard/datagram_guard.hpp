@@ -7,6 +7,10 @@
 //   replaces a long GAP by a HEARTBEAT whose first number is the end of the range: same effect.
 // - First numbers of HEARTBEATs: the library counts up to them one by one (StatefulReader.cpp). The
 //   guard replaces a far one by a nearer one; the following HEARTBEATs continue from there.
+// - Numbers in ACKNACKs: the library sends nothing again that a reader has acknowledged, unless the
+//   reader begins with an empty ACKNACK (ReaderProxy.cpp). A peer that has lost this participant
+//   for a while, but was not lost here, may leave that out (WriterProxy.cpp) and would receive
+//   nothing any more. An ACKNACK below an earlier one becomes an empty one.
 // - Addresses of a participant: the source of its first announcement, and the addresses in it.
 //   Discovery in its name from another address is refused, except from loopback addresses and with
 //   relayed discovery.
@@ -72,12 +76,18 @@ class DatagramGuard final : private RtpsEvents {
   struct Hash {
     std::size_t operator()(const Seen& seen) const;
   };
+  struct Acknowledged {
+    std::int64_t base = 0;
+    std::uint32_t count = 0;
+  };
   struct Participant {
     Instant seen{};
     Duration lease{};
     std::uint64_t order = 0;                  // in which it joined
     std::map<Guid, std::uint64_t> endpoints;  // with the order of their announcements
     std::vector<Address> addresses;           // source addresses
+    // By its reader and our writer.
+    std::map<std::pair<EntityBytes, EntityBytes>, Acknowledged> acknowledged;
   };
   struct Writer {
     std::uint64_t announced = 0;  // the order of its announcement; 0: the library does not know it
@@ -100,11 +110,13 @@ class DatagramGuard final : private RtpsEvents {
   std::optional<RtpsFault> on_endpoint(const RtpsEvent& event);
   std::optional<RtpsFault> on_heartbeat(const RtpsEvent& event);
   std::optional<RtpsFault> on_gap(const RtpsEvent& event);
+  void on_acknowledgement(const RtpsEvent& event);
   std::optional<RtpsFault> on_fragment(const RtpsEvent& event);
   static void add_addresses(Participant& of, const ParameterFacts& facts);
   [[nodiscard]] bool make_room(bool for_endpoints);
   [[nodiscard]] bool may_join();
   void forget(const ParticipantPrefix& prefix);
+  [[nodiscard]] ParticipantPrefix sender() const;
   // GUID of a writer of the datagram's sender.
   [[nodiscard]] Guid guid_of(const EntityBytes& writer) const;
   [[nodiscard]] std::uint64_t announced(const Guid& writer) const;

@@ -202,12 +202,14 @@ class Validator {
 
   // reader(4) writer(4) base(8) bits(4) words.. count(4); base 0 acknowledges nothing yet.
   Fault check_acknowledgement(RtpsCursor& in) {
-    in.take(8);
-    const std::int64_t base = in.sequence_number();
+    event_.reader = entity(in);
+    event_.writer = entity(in);
+    event_.base = in.sequence_number();
     if (const Fault fault = check_set(in)) return fault;
-    in.u32();
+    event_.count = in.u32();
     if (!in.good()) return RtpsFault::kSubmessage;
-    return base >= 0 && base < kMostSequence ? Fault{} : RtpsFault::kSequenceNumber;
+    if (event_.base < 0 || event_.base >= kMostSequence) return RtpsFault::kSequenceNumber;
+    return report();
   }
 
   // reader(4) writer(4) number(8) base(4) bits(4) words.. count(4)

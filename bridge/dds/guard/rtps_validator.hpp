@@ -22,9 +22,10 @@ struct RtpsEvent {
   bool is_protected = false;  // DDS Security: a change would make it invalid
   ParticipantPrefix to{};     // whom it is for; zeros: everyone
   EntityBytes reader{}, writer{};
-  std::int64_t first = 0;   // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
-  std::int64_t base = 0;    // of GAP: the first number after the range
-  std::uint32_t count = 0;  // of HEARTBEAT
+  std::int64_t first = 0;  // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
+  // The first number after the range of GAP or HEARTBEAT; of ACKNACK: the first one not received.
+  std::int64_t base = 0;
+  std::uint32_t count = 0;        // of HEARTBEAT and ACKNACK
   std::uint32_t sample_size = 0;  // of DATA_FRAG
   // Of DATA_FRAG: the bytes that the library needs for the sample. It keeps its list of missing
   // fragments in 4 bytes of each one (CacheChange.h), which exceed a last fragment of 1 to 3 bytes.
@@ -36,7 +37,8 @@ struct RtpsEvent {
 class RtpsEvents {
  public:
   virtual ~RtpsEvents() = default;
-  // Called in order for DATA of discovery, DATA_FRAG, GAP, HEARTBEAT. A fault refuses the datagram.
+  // Called in order for DATA of discovery, DATA_FRAG, GAP, HEARTBEAT, ACKNACK. A fault refuses the
+  // datagram.
   virtual std::optional<RtpsFault> on_event(const RtpsEvent& event) = 0;
 };
 

@@ -244,5 +244,37 @@ TEST(DatagramGuard, AShortLastFragmentHasRoomForTheListOfTheLibrary) {
   }
 }
 
+// Regression: a station that was suspended beyond its lease received no discovery of the bridge any
+// more. The bridge had kept the acknowledgements of the reader that the station had made anew.
+TEST(DatagramGuard, AReaderThatBeginsAgainReceivesEverythingAgain) {
+  Checked one;
+  const auto begin = [](Datagram acknowledgement) {
+    std::fill_n(acknowledgement.begin() + 32, 12, 0);  // number 0, no missing numbers
+    std::copy_n(acknowledgement.end() - 4, 4, acknowledgement.begin() + 44);
+    acknowledgement[21] &= 0xfd;  // not final: it requests a HEARTBEAT
+    return acknowledgement;
+  };
+  const auto expect_unchanged = [&](const Datagram& acknowledgement) {
+    ASSERT_EQ(one.cause_of(acknowledgement), "none");
+    EXPECT_EQ(one.bytes, acknowledgement);
+  };
+  expect_unchanged(acknack(9, {}, 1));
+  expect_unchanged(acknack(3, {0xf8000000}, 2));  // of a participant that the library does not know
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  expect_unchanged(acknack(9, {}, 3));
+  expect_unchanged(acknack(3, {0xf8000000}, 2));  // it came late
+  expect_unchanged(acknack(9, {0x80000000}, 4));
+  Datagram below = acknack(3, {0xf8000000}, 5);
+  below[21] |= 2;
+  ASSERT_EQ(one.cause_of(below), "none");
+  EXPECT_EQ(one.bytes, begin(below));
+  EXPECT_FALSE(fault_of(one.bytes, {}).has_value());
+  expect_unchanged(acknack(3, {0xf8000000}, 6));
+  expect_unchanged(acknack(9, {}, 7));
+  ASSERT_EQ(one.cause_of(goodbye(kSender)), "none");
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  expect_unchanged(acknack(3, {0xf8000000}, 8));
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -112,13 +112,14 @@ inline Datagram heartbeat(std::int64_t first, std::int64_t last, std::uint32_t c
   put_u32(body, count);
   return of_submessage(0x07, 1, body);
 }
-inline Datagram acknack(std::int64_t base, std::initializer_list<std::uint32_t> missing) {
+inline Datagram acknack(std::int64_t base, std::initializer_list<std::uint32_t> missing,
+                        std::uint32_t count = 1) {
   Datagram body;
   put_entities(body, kSamplesReader, kSamplesWriter);
   put_number(body, base);
   put_u32(body, static_cast<std::uint32_t>(32 * missing.size()));
   put_all(body, words(missing));
-  put_u32(body, 1);
+  put_u32(body, count);
   return of_submessage(0x06, 1, body);
 }
 inline Datagram nack_frag(std::int64_t number, std::uint32_t base, std::uint32_t missing) {
