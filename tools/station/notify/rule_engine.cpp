@@ -62,8 +62,10 @@ void RuleEngine::on_alarm(const AlarmKey& alarm, const AlarmStatus& status, UtcT
         seen.rules.push_back(i);
     }
   }
-  // A bridge that takes over may report an alarm that was active all the time as raised later.
-  const bool continues = !fresh && seen.status.active && status.active;
+  // A bridge that takes over may report an alarm that was active all the time as raised later, as
+  // its first occurrence. Further occurrences show that it ended while nothing was received.
+  const bool ended = status.occurrences > std::max(seen.status.occurrences, 1u);
+  const bool continues = !fresh && seen.status.active && status.active && !ended;
   if (fresh || (status.raised_at != seen.status.raised_at && !continues)) seen.at = now;
   seen.status = status;
   for (const std::size_t rule : seen.rules) settle(rule, alarm, seen, continues);

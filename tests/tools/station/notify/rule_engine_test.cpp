@@ -414,6 +414,20 @@ TEST(RuleEngine, ATakeoverOfTheBridgeContinuesTheAlarm) {
   EXPECT_THAT(rig.pass(hours{1}), IsEmpty());
 }
 
+// Regression: the end and the new occurrence came while the station was suspended.
+TEST(RuleEngine, AnAlarmThatEndedAndWasRaisedAgainUnseenIsANewOne) {
+  Rig rig({rule()});
+  rig.status().occurrences = 1;
+  rig.raise();
+  EXPECT_THAT(rig.pass(minutes{1}), ElementsAre("raised crew"));
+  rig.status().occurrences = 2;
+  rig.raise();
+  EXPECT_THAT(rig.pass(minutes{1}), ElementsAre("raised crew"));
+  rig.status().occurrences = 1;  // the first one was more than 10 minutes ago
+  rig.tell();
+  EXPECT_THAT(rig.pass(minutes{1}), IsEmpty());
+}
+
 TEST(RuleEngine, AClockAheadOfThisOneDoesNotHoldAMessage) {
   Rig rig({rule()});
   rig.raise();
