@@ -40,6 +40,10 @@ tl::expected<void, std::string> send_mail(const MailSpec& spec, const std::strin
   if (curl == nullptr) return tl::make_unexpected("libcurl has no memory");
   std::array<char, CURL_ERROR_SIZE> error{};
   forward::set_common_options(curl, "smtp,smtps", kLongestMail, spec.authority);
+  // For libcurl, the greeting belongs to the connection; servers delay it against spam (postscreen
+  // of Postfix: 6 s).
+  curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT_MS,
+                   static_cast<long>(kLongestMail / std::chrono::milliseconds{1}));
   forward::end_transfers_when(curl, ended);
   curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, error.data());
   curl_easy_setopt(curl, CURLOPT_USE_SSL,
