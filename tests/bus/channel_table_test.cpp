@@ -488,5 +488,24 @@ TEST(ChannelTable, TheWireOfABusDoesNotDecideItsCalculatedChannels) {
   EXPECT_EQ(out.back().quality, Quality::kGood);
 }
 
+// Regression: a value that a command had read stayed GOOD for ever.
+TEST(ChannelTable, AValueReadByCommandWithoutAnInterestIsUncertain) {
+  ChannelSpec spec = channel("a", 1s);
+  spec.on_interest = true;
+  const BusSpec bus = one_device({spec});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.acquired(0, 16, items(7), Instant{1s}, out);
+  table.set_refresh(0, 1s, Instant{2s});
+  table.acquired(0, 16, items(7), Instant{3s}, out);
+  table.set_refresh(0, std::nullopt, Instant{4s});
+  table.acquired(0, 16, items(7), Instant{5s}, out);
+  ASSERT_EQ(out.size(), 3u);
+  EXPECT_EQ(out[0].quality, Quality::kUncertain);
+  EXPECT_EQ(out[0].acquired, Instant{1s});
+  EXPECT_EQ(out[1].quality, Quality::kGood);
+  EXPECT_EQ(out[2].quality, Quality::kUncertain);
+}
+
 }  // namespace
 }  // namespace fieldcast
