@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/base/message_text.hpp"
 #include "core/bus/command/command_job.hpp"
@@ -42,15 +44,36 @@ tl::expected<Encoding, CommandFault> encoding_of(const AddressTarget& target,
   return encoding;
 }
 
-tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const Value& value) {
-  const auto number = as_number(value);
-  if (!number) return {};
-  if (channel.write_min && *number < *channel.write_min)
-    return fault(Cause::kRange, to_text(value) + " is below the lowest value allowed, " +
-                                    to_text(Value{*channel.write_min}) + " (write: min)");
-  if (channel.write_max && *number > *channel.write_max)
-    return fault(Cause::kRange, to_text(value) + " is above the highest value allowed, " +
-                                    to_text(Value{*channel.write_max}) + " (write: max)");
+static_assert(std::numeric_limits<long double>::digits >= 64, "holds each integer of 64 bits");
+
+std::optional<long double> exact_number(const Value& value) {
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return *whole;
+  if (const auto* whole = std::get_if<std::uint64_t>(&value)) return *whole;
+  return as_number(value);
+}
+
+// `stored`: the value that the device gets for it, rounded to its resolution.
+tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const Value& value,
+                                              const Value& stored) {
+  const auto number = exact_number(value), rounded = exact_number(stored);
+  if (!number || !rounded) return {};
+  const auto refused = [&](const char* than, double limit, const char* key) {
+    const std::string shown = *number == *rounded
+                                  ? to_text(value)
+                                  : to_text(stored) + " (rounded from " + to_text(value) + ')';
+    return fault(Cause::kRange, shown + " is " + than + " value allowed, " + to_text(Value{limit}) +
+                                    " (write: " + key + ')');
+  };
+  // How much a stored value can differ from the limit that it means.
+  const auto error_at = [&](double limit) {
+    return std::max(std::abs(channel.encoding.scale) * 1e-6, std::abs(limit) * 1e-15);
+  };
+  if (const auto min = channel.write_min;
+      min && (*number < *min || *rounded < *min - error_at(*min)))
+    return refused("below the lowest", *min, "min");
+  if (const auto max = channel.write_max;
+      max && (*number > *max || *rounded > *max + error_at(*max)))
+    return refused("above the highest", *max, "max");
   return {};
 }
 
@@ -240,7 +263,12 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
         encode_value(subject.encoding, area(subject.range).item_bits, command_.values[i], *codec_);
     if (!items) return tl::make_unexpected(unfit(subject, command_.values[i], items.error()));
     if (channel) {
-      if (auto ok = check_limits(*channel, command_.values[i]); !ok) return ok;
+      const Value& value = command_.values[i];
+      const bool is_rounded = subject.encoding.scaled() && subject.encoding.exponent_distance == 0;
+      const auto stored = is_rounded ? decode_value(subject.encoding, area(subject.range).item_bits,
+                                                    *items, *codec_)
+                                     : value;
+      if (auto ok = check_limits(*channel, value, stored.value_or(value)); !ok) return ok;
     }
     append(image_, *items);
   }

@@ -90,7 +90,7 @@ void CommandJob::wrote() {
     finish(CommandState::kDone);
 }
 
-void CommandJob::responded(const Reply& reply) {
+void CommandJob::responded(const Reply& reply, Instant now) {
   asked_ = true;
   for (const RangeReply& range : reply) {
     if (range.cause != Cause::kNone) return failed(range.cause, range.device_code);
@@ -106,7 +106,7 @@ void CommandJob::responded(const Reply& reply) {
       break;
     case Phase::kReadBack:
       if (in_doubt_)
-        resolve_doubt(reply.front().items);
+        resolve_doubt(reply.front().items, now);
       else
         verify(reply.front().items);
       break;
@@ -138,7 +138,7 @@ void CommandJob::verify(const Bytes& items) {
 }
 
 // The items show whether a write without a response took effect.
-void CommandJob::resolve_doubt(const Bytes& items) {
+void CommandJob::resolve_doubt(const Bytes& items, Instant now) {
   const bool was_busy = cause_ == Cause::kDeviceBusy;
   const std::string what = was_busy ? error_text(cause_, device_code_, protocol_->traits()) : "";
   if (reads_back_same(items)) {
@@ -152,7 +152,8 @@ void CommandJob::resolve_doubt(const Bytes& items) {
     return finish(CommandState::kFailed, cause_, device_code_,
                   what + "; reading back shows a different value");
   }
-  if (rewrites_ < max_rewrites_) {  // `items` is the value before the rewrite, so it is not kept
+  const bool is_late = now >= command_.expires;
+  if (rewrites_ < max_rewrites_ && !is_late) {  // `items` is the value before it, so it is not kept
     ++rewrites_;
     in_doubt_ = false;
     phase_ = Phase::kWrite;
@@ -160,7 +161,8 @@ void CommandJob::resolve_doubt(const Bytes& items) {
   }
   read_back_ = items;
   finish(CommandState::kFailed, Cause::kNoResponse, 0,
-         "no response, and reading back shows a different value");
+         std::string("no response, and reading back shows a different value") +
+             (is_late ? "; not written again after its expiry" : ""));
 }
 
 bool CommandJob::refuses(Cause cause, std::uint16_t device_code) const {

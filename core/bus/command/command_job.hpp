@@ -42,7 +42,8 @@ class CommandJob {
   [[nodiscard]] std::optional<WriteRequest> batchable() const;
   // Sends the commands of a refused request one by one, to find the refused ones.
   void go_alone() { alone_ = true; }
-  void responded(const Reply& reply);
+  // A write whose effect was in doubt is not repeated after its expiry.
+  void responded(const Reply& reply, Instant now = {});
   // Whether the device did not carry out the request that failed so. A momentary code may leave it
   // open whether a write took effect (may_have_written() in device_code.hpp).
   [[nodiscard]] bool refuses(Cause cause, std::uint16_t device_code) const;
@@ -112,7 +113,7 @@ class CommandJob {
   void merge_into(const Bytes& before);  // `before`: items read before the write
   void wrote();
   void verify(const Bytes& items);  // `items`: read back with the response or after it
-  void resolve_doubt(const Bytes& items);
+  void resolve_doubt(const Bytes& items, Instant now);
   [[nodiscard]] bool has_plainer_form() const;
 
   Command command_;

@@ -240,7 +240,7 @@ std::size_t CommandQueue::gather(WriteRequest& write) {
 
 void CommandQueue::responded(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
                              ActionSink& sink) {
-  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.responded(reply);
+  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.responded(reply, now);
   finish(batch, acquired, now, sink);
 }
 
