@@ -172,7 +172,7 @@ DeviceRow options_row() {
 DeviceRow allow_row() {
   return {{.name = "allow",
            .fallback = "none",
-           .text = "commands to addresses that are no channels",
+           .text = "commands to addresses, without the access and the limits of channels",
            .flows_down = true,
            .schema = R"({ "$ref": "#/$defs/allow" })",
            .form = "`[raw-read, raw-write]`"},
