@@ -2,6 +2,9 @@
 
 #include <pthread.h>
 
+#include <ctime>
+#include <utility>
+
 #include "bridge/dds/library/library.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/security/file_access.hpp"
@@ -17,6 +20,13 @@ std::string identity_in(const std::string& folder) {
   try {
     return security::read_file(folder + '/' + std::string(security::kIdentity));
   } catch (const security::SecurityError&) { return {}; }
+}
+
+// Goes on while the machine sleeps.
+Instant now_since_boot() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return Instant{std::chrono::seconds{now.tv_sec} + std::chrono::nanoseconds{now.tv_nsec}};
 }
 
 UtcTime utc_now() {
@@ -47,11 +57,24 @@ MemberWatch::~MemberWatch() {
 void MemberWatch::run() {
   pthread_setname_np(pthread_self(), "members");
   std::unique_lock lock(mutex_);
+  Instant before = now_since_boot();
   do {
+    const Instant now = now_since_boot();
+    look_at_pause(now - std::exchange(before, now));
     read_list();
     look_at_identity();
     look_at_refused();
   } while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
+}
+
+// The others removed this program, but it did not remove them, and Fast DDS 2.9 begins no second
+// handshake with a member that it knows.
+void MemberWatch::look_at_pause(Duration pause) {
+  constexpr Duration kParticipantLease = std::chrono::seconds{10};  // set by domain.cpp
+  if (pause < kParticipantLease) return;
+  say_security(true, "this program was suspended for " +
+                         to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
+                         ": other members may not hear it until it is started again");
 }
 
 bool MemberWatch::has_new_identity() const {

@@ -2,7 +2,7 @@
 // every kPeriod. A new list of revoked certificates takes effect immediately; a renewed certificate
 // is only reported, because Fast DDS 2.9.1 reads it when a participant is created. A refused
 // participant stays refused until the process ends. A list that the authority has not signed is
-// ignored and reported.
+// ignored and reported, and so is a pause of the process beyond the lease of its participant.
 #pragma once
 
 #include <algorithm>
@@ -43,6 +43,7 @@ class MemberWatch {
   void read_list();
   void look_at_identity();
   void look_at_refused();
+  void look_at_pause(Duration pause);
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
