@@ -21,6 +21,8 @@ class IoThread {
   IoThread& operator=(const IoThread&) = delete;
 
   [[nodiscard]] boost::asio::io_context& context();
+  // For objects that use the context and may be destroyed after this one.
+  [[nodiscard]] std::shared_ptr<boost::asio::io_context> shared_context();
   // Runs the task on the thread and waits for it; rethrows its exception. REQUIRES: another thread.
   void run(std::function<void()> task);
 

@@ -13,6 +13,7 @@
 #include "bridge/base/back_off.hpp"
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bus/iconv_codec.hpp"
 #include "bridge/bus/port_wait.hpp"
 #include "bridge/bus/runner_timing.hpp"
@@ -410,11 +411,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool stopped_ = false;
 };
 
-BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpec& spec,
-                     BusSink& sink, DialInRegistry* modules, const MasterLease* lease)
-    : loop_(std::make_shared<Loop>(io, plans, spec, sink, modules, lease)) {}
-
-BusRunner::~BusRunner() = default;
+BusRunner::BusRunner(IoThread& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,
+                     DialInRegistry* modules, const MasterLease* lease)
+    : context_(io.shared_context()),
+      loop_(std::make_shared<Loop>(*context_, plans, spec, sink, modules, lease)) {}
 
 const BusSpec& BusRunner::spec() const { return loop_->spec(); }
 

@@ -51,6 +51,7 @@ namespace fieldcast {
 
 class CaptureTap;
 class DialInRegistry;
+class IoThread;
 class MasterLease;
 
 struct LeasedLine {
@@ -74,9 +75,9 @@ class BusRunner {
   // `plans`: makes plans, too slow for the bus's thread. The sink and the registry (for a dial-in
   // port) must outlive stop(). The lease outlives the bus; nothing is sent while it is not held;
   // null: always held. REQUIRES: spec is as the loader makes it.
-  BusRunner(boost::asio::io_context& io, boost::asio::io_context& plans, const BusSpec& spec,
-            BusSink& sink, DialInRegistry* modules = nullptr, const MasterLease* lease = nullptr);
-  ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
+  BusRunner(IoThread& io, boost::asio::io_context& plans, const BusSpec& spec, BusSink& sink,
+            DialInRegistry* modules = nullptr, const MasterLease* lease = nullptr);
+  ~BusRunner() = default;  // REQUIRES: stop() was waited for, or start() never called
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
 
@@ -123,7 +124,9 @@ class BusRunner {
 
  private:
   class Loop;
-  std::shared_ptr<Loop> loop_;  // shared with pending handlers
+  // The session of an engineer may hold the runner after its bus and thread have ended.
+  const std::shared_ptr<boost::asio::io_context> context_;
+  const std::shared_ptr<Loop> loop_;  // shared with pending handlers
 };
 
 }  // namespace fieldcast

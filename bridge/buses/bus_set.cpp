@@ -119,8 +119,8 @@ BusSet::Bus BusSet::make(const BusSpec& bus) {
   Bus made;
   made.sink = std::make_unique<BusOutput>(uses_.output, bus);
   made.io = std::make_unique<IoThread>(bus.name);
-  made.runner = std::make_shared<BusRunner>(made.io->context(), uses_.plans.context(), bus,
-                                            *made.sink, &uses_.modules, &uses_.output.lease);
+  made.runner = std::make_shared<BusRunner>(*made.io, uses_.plans.context(), bus, *made.sink,
+                                            &uses_.modules, &uses_.output.lease);
   return made;
 }
 

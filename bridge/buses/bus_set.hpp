@@ -79,7 +79,7 @@ class BusSet {
  private:
   struct Bus {
     std::unique_ptr<BusOutput> sink;  // outlives the runner and its posted tasks
-    std::unique_ptr<IoThread> io;     // outlives the runner
+    std::unique_ptr<IoThread> io;     // stopped after the runner
     std::shared_ptr<BusRunner> runner;
     std::unique_ptr<GatewayServer> gateway;  // ends before the runner; null without `gateway`
   };

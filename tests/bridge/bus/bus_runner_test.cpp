@@ -66,7 +66,7 @@ struct BusRunnerTest : testing::Test {
     if (runner) stop();
   }
   void begin(const BusSpec& spec) {
-    runner = std::make_unique<BusRunner>(io.context(), io.context(), spec, sink);
+    runner = std::make_unique<BusRunner>(io, io.context(), spec, sink);
     runner->start();
   }
   void stop() {

@@ -26,7 +26,7 @@ struct CommandRouterTest : testing::Test {
     BusSpec bus;
     bus.name = "bus";
     bus.port = SerialPortSpec{pty.path()};
-    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink);
+    runner = std::make_shared<BusRunner>(io, io.context(), bus, sink);
     router.add("bus", runner);
     runner->start();
   }

@@ -39,7 +39,7 @@ inline BusSpec bus_of(const PortSpec& port) {
 
 struct LeaseFixture : ServerFixture {
   void run(const BusSpec& bus) {
-    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink, &modules);
+    runner = std::make_shared<BusRunner>(io, io.context(), bus, sink, &modules);
     runner->start();
     server.add_bus(bus, runner);
     name = bus.name;

@@ -72,8 +72,8 @@ struct ModuleClientTest : ServerFixture {
   Pty line;
   program::ModuleOptions options;
   std::string said;
-  std::shared_ptr<program::ModuleClient> client;
   IoThread io{"module"};
+  std::shared_ptr<program::ModuleClient> client;
 };
 
 TEST_F(ModuleClientTest, ReportsItsNumberAndCarriesBytesBothWays) {

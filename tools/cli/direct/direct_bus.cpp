@@ -85,9 +85,7 @@ class Results final : public BusSink {
 
 struct DirectBus::State {
   State(const BusSpec& bus, bool trace, LineCapture* given)
-      : port(name_of(bus.port)),
-        capture(given),
-        runner(io.context(), plans.context(), bus, results) {
+      : port(name_of(bus.port)), capture(given), runner(io, plans.context(), bus, results) {
     open_log(LogLevel::kWarning);
     runner.set_trace(trace);
     if (capture != nullptr) runner.set_capture(capture->tap());
