@@ -158,7 +158,7 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   response(channel, acquired, Cause::kNone);
   if (held_back(entry, *value, acquired)) return;
   entry.last.value = std::move(*value);
-  // Without an interest no further sample would tell that a value read by command is old.
+  // Without an interest no further sample shows that a value read by command is old.
   const bool is_promised = !entry.spec->on_interest || entry.freshness.refresh();
   entry.last.quality = is_promised ? Quality::kGood : Quality::kUncertain;
   entry.last.device_code = 0;

@@ -245,7 +245,7 @@ TEST(DatagramGuard, AShortLastFragmentHasRoomForTheListOfTheLibrary) {
 }
 
 // Regression: a station that was suspended beyond its lease received no discovery of the bridge any
-// more. The bridge had kept the acknowledgements of the reader that the station had made anew.
+// more. The bridge had kept the acknowledgements of a reader that the station had created again.
 TEST(DatagramGuard, AReaderThatBeginsAgainReceivesEverythingAgain) {
   Checked one;
   const auto begin = [](Datagram acknowledgement) {
