@@ -10,12 +10,6 @@ namespace {
 
 std::string text_of(Cause cause) { return std::string(to_text(cause)); }
 
-bool got_response(ExchangeDriver::Outcome outcome, Cause cause) {
-  const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
-  return outcome == ExchangeDriver::Outcome::kDone ||
-         (outcome == ExchangeDriver::Outcome::kFailed && refused);
-}
-
 }  // namespace
 
 BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
@@ -116,7 +110,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     return take_stray(event.bytes, now, sink);
   }
   Bytes out;
-  const auto outcome = parts_.wire().on_bytes(event.bytes, now, out);
+  const auto outcome = parts_.on_bytes(event.bytes, now, out);
   const Asked& asked = parts_.wire().flight().asked;
   parts_.fence.bytes_came(parts_.wire().driver().received().empty(), now);
   // The wire may belong to another master, and these bytes to its exchange.
@@ -136,6 +130,10 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     forecast_.doubt();
     parts_.wire().wait_on();
     return parts_.late.start_anew();
+  }
+  if (out.empty()) {
+    const auto until = parts_.doubtful_until(outcome, forecast_.waits_for_whole(), now);
+    if (until) return parts_.wire().hold(outcome, *until);
   }
   advance(outcome, std::move(out), now, sink);
 }
@@ -171,6 +169,7 @@ void BusEngine::take_frame(ByteView frame, Instant now, ActionSink& sink) {
 // the same request.
 void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
   parts_.wire().stray(now);
+  if (parts_.late.none_owed()) parts_.late.repetitions().stray(bytes, now);
   parts_.fence.bytes_came(false, now);
   forecast_.doubt();
   std::vector<LateResponseFilter::Late> late;

@@ -140,6 +140,7 @@ Bytes Arbiter::send(Instant now) {
                                ? flight.timeout
                                : devices_.timeout(device, flight.asked.request, whole_timeout);
   devices_.asked(device);
+  late_.repetitions().asked();
   late_.start_anew();
   return parts_.wire().send(
       {late_.next_context(device), timeout, devices_.rest_before(device, now)}, now);
@@ -174,6 +175,7 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   if (ended.responded) parts_.in_flight.responded();
   if (dropped && !parts_.wire().flight().spare_time) parts_.in_flight.missed();
   note_try(ended, now, sink);
+  parts_.wire().rest_until(late_.repetitions().rest_until());
   if (!done && may_repeat(ended.cause)) {
     devices_.repeated(device);
     parts_.wire().repeat();

@@ -58,6 +58,46 @@ TEST(ExchangeDriver, ResponseTimeIsWithoutTheWire) {
   EXPECT_NEAR(to_seconds(line.driver.response_time()), 0.005, 1e-6);
 }
 
+TEST(ExchangeDriver, AHeldResponseCountsWhenNothingFollows) {
+  Line line;
+  line.ask(Instant{});
+  ASSERT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_FALSE(line.driver.holds());
+  line.driver.hold(Outcome::kDone, Instant{30ms});
+  EXPECT_TRUE(line.driver.holds());
+  EXPECT_EQ(line.driver.deadline(), Instant{30ms});
+  EXPECT_EQ(line.driver.on_timer(Instant{30ms}, line.out), Outcome::kDone);
+  EXPECT_FALSE(line.driver.holds());
+  EXPECT_EQ(line.driver.responded(), Instant{20ms});
+  EXPECT_EQ(line.driver.exchange().reply().front().items, (Bytes{0x00, 0x2A}));
+}
+
+TEST(ExchangeDriver, TheResponseMayBeBehindAnotherFrame) {
+  Line line;
+  line.ask(Instant{});
+  Bytes both = kAnswer;
+  append(both, *from_hex("01 03 02 00 2B F8 5B"));
+  ASSERT_EQ(line.receive(both, Instant{20ms}), Outcome::kDone);
+  auto again = line.protocol->begin(ReadRequest{{{2, 100, 1}}}, {1});
+  EXPECT_EQ(line.driver.wait_on(std::move(again), kAnswer.size(), Instant{20ms}, line.out),
+            Outcome::kDone);
+  EXPECT_EQ(line.driver.exchange().reply().front().items, (Bytes{0x00, 0x2B}));
+  EXPECT_EQ(line.driver.bytes_received(), both.size());
+}
+
+TEST(ExchangeDriver, WithoutOtherBytesTheWaitForTheResponseContinues) {
+  Line line;
+  line.ask(Instant{});
+  const Instant deadline = line.driver.deadline();
+  ASSERT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
+  line.driver.hold(Outcome::kDone, Instant{30ms});
+  auto again = line.protocol->begin(ReadRequest{{{2, 100, 1}}}, {1});
+  EXPECT_EQ(line.driver.wait_on(std::move(again), kAnswer.size(), Instant{20ms}, line.out),
+            Outcome::kWaiting);
+  EXPECT_FALSE(line.driver.holds());
+  EXPECT_EQ(line.driver.deadline(), deadline);
+}
+
 TEST(ExchangeDriver, ReturnsWhatTheResponseLacks) {
   Line line;
   line.ask(Instant{});

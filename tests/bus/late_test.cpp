@@ -82,6 +82,36 @@ INSTANTIATE_TEST_SUITE_P(Storms, LateResponseTwice,
                            return name;
                          });
 
+// The operating system or an adapter delivers bytes late, so that the repetition of a response
+// arrives behind the next request, at a time when its response is possible.
+class RepeatedResponses : public testing::TestWithParam<std::tuple<std::string, int, int>> {};
+
+TEST_P(RepeatedResponses, AreNeverTheResponseOfTheNextRequest) {
+  const auto& [name, longest, seed] = GetParam();
+  const StormKind& kind = kind_named(name);
+  const BusSpec spec = bus_of(kind, "200ms");
+  LateStorm storm(kind, spec, faults_of(spec, {.late = 0, .doubled = 0.05}),
+                  static_cast<std::uint64_t>(seed));
+  storm.bus().delay_received(std::chrono::milliseconds{longest}, static_cast<std::uint64_t>(seed));
+  storm.run(5'000);
+  const auto counts = storm.counts();
+  EXPECT_EQ(counts.wrong, 0u) << counts.first_wrong;
+  EXPECT_GT(counts.doubled, 150u);
+  for (std::size_t c = 0; c < storm.good_of_channels().size(); ++c)
+    EXPECT_GT(storm.good_of_channels()[c], 20u) << "channel " << c << " starves";
+}
+
+INSTANTIATE_TEST_SUITE_P(Delays, RepeatedResponses,
+                         testing::Combine(testing::Values("modbus-rtu", "modbus-ascii",
+                                                          "omron-hostlink C-mode", "dtc"),
+                                          testing::Values(5, 10, 20), testing::Range(1, 6)),
+                         [](const auto& chosen) {
+                           std::string name = std::get<0>(chosen.param);
+                           std::erase_if(name, [](char c) { return !std::isalnum(c); });
+                           return name + std::to_string(std::get<1>(chosen.param)) + "ms" +
+                                  std::to_string(std::get<2>(chosen.param));
+                         });
+
 class LateStorms : public testing::TestWithParam<std::tuple<std::string, int>> {};
 
 TEST_P(LateStorms, PublishNoWrongValueAndStarveNobody) {

@@ -106,6 +106,23 @@ TEST_F(ResponseTimeTest, TheEarliestIsForgottenAfterTwoWindows) {
   EXPECT_EQ(time.earliest(kCharacter), 10ms);
 }
 
+TEST_F(ResponseTimeTest, TheUsualTimeIsTheLongestOneWithTheMarginUntil64Responses) {
+  EXPECT_EQ(time.usual(20ms), 20ms);
+  learn(8ms);
+  learn(10ms, 62);
+  EXPECT_EQ(time.usual(20ms), 30ms) << "63 responses";
+  learn(10ms);
+  EXPECT_EQ(time.usual(20ms), 10ms);
+}
+
+TEST_F(ResponseTimeTest, TheUsualTimeIsWithoutARareLongOne) {
+  learn(10ms, 64);
+  learn(500ms);
+  learn(10ms, 64);
+  EXPECT_EQ(time.longest(), 500ms);
+  EXPECT_LT(time.usual(20ms), 12ms);
+}
+
 TEST_F(ResponseTimeTest, ALineThatDoesNotKeepItsRateHasNoEarliest) {
   learn(-1ms, 16);
   EXPECT_FALSE(time.earliest(kCharacter)) << "a character too early, twice and more";

@@ -106,6 +106,9 @@ class DeviceMonitor {
     return devices_[device].response_time.longest();
   }
   // See ResponseTime.
+  [[nodiscard]] Duration usual_response(DeviceIndex device, Duration margin) const {
+    return devices_[device].response_time.usual(margin);
+  }
   [[nodiscard]] std::optional<Duration> earliest_response(DeviceIndex device) const;
   // `began`: after the end of the request, usually negative here.
   [[nodiscard]] bool too_early(DeviceIndex device, Duration began) const;

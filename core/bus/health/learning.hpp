@@ -44,6 +44,12 @@ class ResponseTime {
   [[nodiscard]] bool too_early(Duration measured, Duration character) const {
     return measured < -2 * character && earliest(character);
   }
+  // Almost every response takes at most this time. While few responses are known, the longest one
+  // with `margin`.
+  [[nodiscard]] Duration usual(Duration margin) const {
+    if (in_window_ + windows_ * kWindow < kWindow / 4) return longest() + margin;
+    return std::min(longest(), mean_ + 4 * spread_);
+  }
   [[nodiscard]] Duration mean() const { return mean_; }  // zero before the first response
   [[nodiscard]] Duration spread() const { return spread_; }
   [[nodiscard]] bool known() const { return known_; }

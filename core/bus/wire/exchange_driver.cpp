@@ -1,6 +1,7 @@
 #include "core/bus/wire/exchange_driver.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fieldcast {
 
@@ -20,6 +21,7 @@ void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout,
 
 void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   ++requests_;
+  held_ = Outcome::kWaiting;
   sent_ = out;
   received_.clear();
   echo_stripped_ = echo_ == Echo::kAbsent;
@@ -89,6 +91,10 @@ ExchangeDriver::Outcome ExchangeDriver::on_frame(ByteView frame, Instant now, By
 
 ExchangeDriver::Outcome ExchangeDriver::on_timer(Instant now, Bytes& out) {
   out.clear();
+  if (holds()) {
+    deadline_ = kNever;
+    return std::exchange(held_, Outcome::kWaiting);
+  }
   ended_in_silence_ = true;
   return follow(exchange_->on_silence(out), now, out);
 }
@@ -132,9 +138,21 @@ void ExchangeDriver::wait_on(std::unique_ptr<Exchange> again) {
   Bytes same;
   (void)exchange_->start(same);
   received_.clear();
+  held_ = Outcome::kWaiting;
   missing_ = 0;
   cause_ = Cause::kNone;
+  device_code_ = 0;
   deadline_ = response_deadline_;
+}
+
+ExchangeDriver::Outcome ExchangeDriver::wait_on(std::unique_ptr<Exchange> again, std::size_t size,
+                                                Instant now, Bytes& out) {
+  const Bytes rest(received_.begin() + static_cast<std::ptrdiff_t>(size), received_.end());
+  wait_on(std::move(again));
+  if (rest.empty()) return Outcome::kWaiting;
+  received_ = rest;
+  out.clear();
+  return follow(exchange_->on_bytes(received_, out), now, out);
 }
 
 Duration ExchangeDriver::response_time() const {

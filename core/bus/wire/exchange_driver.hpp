@@ -36,14 +36,23 @@ class ExchangeDriver {
   // belongs to another request, and wait_on() must follow.
   Outcome on_frame(ByteView frame, Instant now, Bytes& out);
   Outcome on_timer(Instant now, Bytes& out);  // REQUIRES: now >= deadline()
+  // The response counts only if no other bytes arrive until then: on_timer() returns `outcome`.
+  // REQUIRES: `outcome`, the last one, is kDone or kFailed.
+  void hold(Outcome outcome, Instant until) {
+    held_ = outcome;
+    deadline_ = until;
+  }
+  [[nodiscard]] bool holds() const { return active() && held_ != Outcome::kWaiting; }
   void abort() { exchange_.reset(); }
   void not_sent() {
     bytes_sent_ -= sent_.size();
     abort();
   }
   // The received bytes were not the response: waits with `again`, made for the same request.
-  // REQUIRES: the last outcome was kDone or kWaiting; `again` has not begun.
+  // REQUIRES: the last outcome was not kSend; `again` has not begun.
   void wait_on(std::unique_ptr<Exchange> again);
+  // The same for the first `size` bytes. Returns the outcome of the other bytes.
+  Outcome wait_on(std::unique_ptr<Exchange> again, std::size_t size, Instant now, Bytes& out);
 
   [[nodiscard]] bool active() const { return exchange_ != nullptr; }
   [[nodiscard]] Instant deadline() const { return deadline_; }
@@ -64,6 +73,9 @@ class ExchangeDriver {
   }
   // The line, with the rate of the response.
   [[nodiscard]] const LineFormat& response_line() const { return response_line_; }
+  [[nodiscard]] Instant sent_from() const {
+    return sent_until_ - line_.characters(static_cast<double>(sent_.size()));
+  }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
   // The same for the confirmation behind the response.
@@ -116,6 +128,7 @@ class ExchangeDriver {
   Instant response_deadline_{};  // for the first byte of the response
   Instant hard_deadline_{};      // for its last byte, even while other bytes arrive
   Instant deadline_ = kNever;
+  Outcome held_ = Outcome::kWaiting;  // see hold()
   std::uint32_t missing_ = 0;
   std::uint32_t expected_ = 0;
   Instant last_byte_{};

@@ -40,7 +40,8 @@ LateResponseFilter::LateResponseFilter(const BusSetup& setup)
       owed_([&setup](const Asked& earlier, const Asked& later) {
         return mistakable(setup, earlier, later);
       }),
-      devices_(setup.slots()) {}
+      devices_(setup.slots()),
+      repetitions_(setup.line(), setup.spec().gap_allowance, setup.slots()) {}
 
 Instant LateResponseFilter::sendable_from(DeviceIndex device, const Request& request,
                                           Purpose purpose) const {
@@ -60,6 +61,7 @@ void LateResponseFilter::responded(const Asked& asked, bool refused, Duration lo
                                    const ExchangeDriver& driver, Instant now) {
   expire(now);
   last_response_ = driver.responded();
+  repetitions_.responded(asked.device, driver.received(), driver.expected(), last_response_);
   if (!refused) learn_head(asked, driver.received());
   start_anew();
   owed_.responded(asked, refused, bound(asked, longest), now);
@@ -163,11 +165,15 @@ std::size_t LateResponseFilter::find(ByteView bytes, const Asked* under_way, Ins
       ++i;
       continue;
     }
-    bytes = bytes.subspan(end_of_response(owing.asked, bytes));
+    const ByteView frame = bytes.first(end_of_response(owing.asked, bytes));
+    bytes = bytes.subspan(frame.size());
     const Instant began = now - setup_.response_wire_time(owing.asked.device, owing.asked.request);
-    const bool once_more = began < last_response_ + setup_.line().characters(kBetweenResponses);
+    const bool once_more =
+        began < last_response_ + setup_.line().characters(kBetweenResponses) ||
+        (repetitions_.watches(owing.asked.device) && repetitions_.find(frame, began) > 0);
     if (!once_more) {
       last_response_ = now;
+      repetitions_.responded(owing.asked.device, frame, 0, now);
       found.push_back(late_response(owed_.take(i, now), step.kind == Step::Kind::kFailed, now));
     }
     owed_.forget_bytes();

@@ -11,6 +11,7 @@
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/wire/exchange_driver.hpp"
 #include "core/bus/wire/pending_responses.hpp"
+#include "core/bus/wire/repetition_filter.hpp"
 
 namespace fieldcast {
 
@@ -50,7 +51,10 @@ class LateResponseFilter {
   [[nodiscard]] bool none_owed() const { return owed_.empty(); }
   [[nodiscard]] bool owes(DeviceIndex device) const { return owed_.owes(device); }
   // Another device has the index now. REQUIRES: !owes(device).
-  void replaced(DeviceIndex device) { devices_[device].heads.clear(); }
+  void replaced(DeviceIndex device) {
+    devices_[device].heads.clear();
+    repetitions_.replaced(device);
+  }
   // kLongAgo if no responses are pending.
   [[nodiscard]] Instant owed_until() const { return owed_.until(); }
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
@@ -66,6 +70,9 @@ class LateResponseFilter {
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
                                               Instant now);
   [[nodiscard]] std::vector<Late> in_strays(ByteView bytes, Instant now);
+
+  [[nodiscard]] RepetitionFilter& repetitions() { return repetitions_; }
+  [[nodiscard]] const RepetitionFilter& repetitions() const { return repetitions_; }
 
   // Received bytes are not continued by later ones.
   void start_anew();
@@ -93,6 +100,7 @@ class LateResponseFilter {
   const BusSetup& setup_;
   PendingResponses owed_;
   std::vector<Device> devices_;
+  RepetitionFilter repetitions_;
   Instant last_response_{};  // end of the last response
   std::size_t claimed_ = 0;  // bytes of the exchange in flight that were late responses
   Bytes strays_;             // bytes since the last exchange that were not late responses

@@ -41,6 +41,8 @@ class ResponseForecast {
   }
   // Call before a request. `owed`: a response to an earlier request may still arrive.
   void begin(bool owed) { whole_ = !owed && exact_ >= kTrusted && exact_ % kMeasured != 0; }
+  // The response may be read when it is complete, so bytes that arrived earlier seem to be in time.
+  [[nodiscard]] bool waits_for_whole() const { return whole_; }
   // Returns true if bytes behind the response show that it began before it could: it belongs to
   // another request.
   [[nodiscard]] bool too_early(const ExchangeDriver& driver) const {

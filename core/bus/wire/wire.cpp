@@ -84,6 +84,12 @@ void Wire::wait_on() {
   driver_.wait_on(setup_.protocol(asked.device).begin(asked.request, asked.context));
 }
 
+ExchangeDriver::Outcome Wire::wait_on(std::size_t size, Instant now, Bytes& out) {
+  const Asked& asked = flight_->asked;
+  return driver_.wait_on(setup_.protocol(asked.device).begin(asked.request, asked.context), size,
+                         now, out);
+}
+
 Wire::Ended Wire::conclude(bool done, Instant now) {
   Ended ended;
   ended.done = done;

@@ -114,8 +114,12 @@ class Wire {
   ExchangeDriver::Outcome on_frame(ByteView frame, Instant now, Bytes& out);
   ExchangeDriver::Outcome on_timer(Instant now, Bytes& out);
   // The bytes were not the response: the wait continues without them. REQUIRES: the last outcome
-  // was kDone or kWaiting.
+  // was not kSend.
   void wait_on();
+  // The same for the first `size` bytes. Returns the outcome of the other bytes.
+  ExchangeDriver::Outcome wait_on(std::size_t size, Instant now, Bytes& out);
+  // See ExchangeDriver::hold().
+  void hold(ExchangeDriver::Outcome outcome, Instant until) { driver_.hold(outcome, until); }
   // Call after kDone or kFailed. The flight is kept until repeat() or take().
   [[nodiscard]] Ended conclude(bool done, Instant now);
   void repeat();
@@ -133,6 +137,7 @@ class Wire {
   void count_stray(std::size_t bytes) { driver_.count_stray(bytes); }
   void stray(Instant now);
   void opened(Instant now) { free_at_ = now + setup_.silence(); }
+  void rest_until(Instant until) { free_at_ = std::max(free_at_, until); }
   // Between a response and the next request: configured, or learned.
   [[nodiscard]] Duration silence() const {
     return learning_ ? learning_->silence() : setup_.silence();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace fieldcast::sim {
 namespace {
@@ -29,14 +30,18 @@ VirtualBus::VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64
 void VirtualBus::run_until(Instant until) {
   for (;;) {
     const Instant line_due = line_ ? line_->next_due() : kNever;
-    const Instant due = std::min({timer_, line_due, reopen_at_});
+    const Instant due = std::min({timer_, line_due, reopen_at_, delayed_until_});
     if (due > until) break;
     now_ = std::max(now_, due);
     if (line_due <= now_) {
       received_.clear();
       line_->advance(now_, received_);
       if (on_received && !received_.empty()) on_received(received_);
-      if (engine_ && !received_.empty()) feed(Received{received_});
+      if (engine_ && !received_.empty()) receive();
+    }
+    if (delayed_until_ <= now_) {
+      delayed_until_ = kNever;
+      if (engine_) feed(Received{std::exchange(delayed_, {})});
     }
     if (reopen_at_ <= now_) plug();
     if (timer_ <= now_) {
@@ -45,6 +50,19 @@ void VirtualBus::run_until(Instant until) {
     }
   }
   now_ = until;
+}
+
+void VirtualBus::delay_received(Duration longest, std::uint64_t seed) {
+  longest_delay_ = longest;
+  random_.seed(seed);
+}
+
+void VirtualBus::receive() {
+  if (longest_delay_ == Duration::zero()) return feed(Received{received_});
+  append(delayed_, received_);
+  if (delayed_until_ != kNever) return;
+  const auto range = static_cast<std::uint64_t>(longest_delay_.count()) + 1;
+  delayed_until_ = now_ + Duration{static_cast<std::int64_t>(random_() % range)};
 }
 
 void VirtualBus::feed(const BusEvent& event) {
@@ -62,7 +80,8 @@ void VirtualBus::feed(const BusEvent& event) {
 
 void VirtualBus::unplug() {
   line_.reset();
-  reopen_at_ = kNever;
+  delayed_.clear();
+  reopen_at_ = delayed_until_ = kNever;
   feed(Closed{"unplugged"});
 }
 
@@ -97,6 +116,8 @@ void VirtualBus::act(const Action& action) {
   }
   if (std::holds_alternative<Reopen>(action)) {
     line_.reset();
+    delayed_.clear();
+    delayed_until_ = kNever;
     reopen_at_ = now_ + kReopenAfter;
   }
   if (watcher_) watcher_(action);

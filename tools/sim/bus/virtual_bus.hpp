@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "core/bus/bus_engine.hpp"
@@ -27,6 +28,9 @@ class VirtualBus {
 
   void run_until(Instant until);
   void feed(const BusEvent& event);  // at the current time
+  // Received bytes reach the engine up to `longest` after their arrival, in order, as on a busy
+  // machine or behind an adapter that collects bytes.
+  void delay_received(Duration longest, std::uint64_t seed);
   void unplug();
   void plug();
   // Destroys the engine and creates a new one with `spec` and `opened` after `absence`. On a serial
@@ -44,6 +48,7 @@ class VirtualBus {
 
  private:
   void act(const Action& action);
+  void receive();
   void send(ByteView bytes, std::uint32_t response_baud);
   void stamp(std::uint64_t what) { fingerprint_ = (fingerprint_ ^ what) * 1099511628211u; }
 
@@ -58,6 +63,10 @@ class VirtualBus {
   Instant reopen_at_ = kNever;
   Instant wire_free_{};
   Bytes received_;
+  Duration longest_delay_{};
+  std::mt19937_64 random_;
+  Bytes delayed_;
+  Instant delayed_until_ = kNever;
   std::vector<Actions> spare_;                        // feed() may be called by a watcher
   std::uint64_t fingerprint_ = 1469598103934665603u;  // FNV-1a
 };
