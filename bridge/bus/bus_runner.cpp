@@ -57,7 +57,7 @@ Duration longest_back_off(const BusSpec& spec) {
 }
 
 CommandResult shutdown_result(const Command& command, Instant now) {
-  return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);
+  return rejection(command, Cause::kShutdown, "the bridge stops or restarts this bus", now);
 }
 
 }  // namespace

@@ -37,10 +37,17 @@ BusSet::BusSet(const Uses& uses, const BridgeSpec& spec, bool trace)
       captures_(spec.name) {}
 
 void BusSet::want(const std::vector<BusSpec>& buses) {
+  std::set<std::string> left;
+  for (const BusSpec& bus : wanted_) left.insert(bus.name);
   wanted_ = buses;
   std::vector<std::string> names;
-  for (const BusSpec& bus : buses) names.push_back(bus.name);
+  for (const BusSpec& bus : buses) {
+    names.push_back(bus.name);
+    left.erase(bus.name);
+  }
   uses_.guard.want(link_.id(), names);
+  // Not earlier: stations send commands as long as the bus is announced.
+  for (const std::string& bus : left) link_.ignore_requests(bus);
 }
 
 std::vector<std::string> BusSet::running() const {
@@ -135,6 +142,7 @@ bool BusSet::start(const BusSpec& bus, const FollowedBus* followed, std::uint64_
                                     "{}, where names of buses are unique. This bridge takes it "
                                     "over when that one has left; else rename one of the two",
                                     uses_.guard.rival(bus.name), domain_));
+    link_.ignore_requests(bus.name);
     link_.listen_for_commands();
     return false;
   }

@@ -56,7 +56,8 @@ std::optional<CommandResult> CommandRouter::route(const std::string& bus, const 
   // Posted under the lock: after remove() has returned, the runner gets no more commands.
   const std::lock_guard lock(mutex_);
   const auto found = runners_.find(bus);
-  if (found == runners_.end()) return refused(Cause::kShutdown, "the bridge is stopping this bus");
+  if (found == runners_.end())
+    return refused(Cause::kShutdown, "the bridge stops or restarts this bus");
   if (!found->second->post(command))
     return refused(Cause::kQueueFull, "too many commands wait for this bus");
   return std::nullopt;

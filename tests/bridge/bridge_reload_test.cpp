@@ -1,7 +1,12 @@
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <condition_variable>
 #include <filesystem>
 #include <map>
+#include <mutex>
+#include <set>
+#include <thread>
 
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/sql/sql.hpp"
@@ -219,6 +224,49 @@ TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
     EXPECT_GT(sample.sequence, last[sample.channel]);
     last[sample.channel] = sample.sequence;
   }
+}
+
+// Each command ends: done, or rejected because the bus restarts. 64 at a time, so that some arrive
+// between the end of the bus and its next start.
+TEST_F(BridgeTest, CommandsDuringReloadsEachHaveOneResult) {
+  constexpr std::size_t kAtATime = 64;
+  ModbusDevice a(first), b(second);
+  Receiver receiver(spec.dds);
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<std::uint64_t, int> results;
+  receiver.station.on_result([&](const StationResult& result) {
+    const std::lock_guard lock(mutex);
+    ++results[result.request_id];
+    EXPECT_TRUE(result.state == CommandState::kDone || result.cause == to_name(Cause::kShutdown))
+        << to_text(result);
+    changed.notify_all();
+  });
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
+  std::atomic<bool> reloading = true;
+  std::set<std::uint64_t> sent;
+  std::thread sender([&] {
+    while (reloading) {
+      const auto id = receiver.station.send(write_to("one", "r0", 7), seconds{20});
+      ASSERT_TRUE(id) << to_text(id.error());
+      sent.insert(*id);
+      std::unique_lock lock(mutex);
+      EXPECT_TRUE(changed.wait_for(lock, seconds{20},
+                                   [&] { return results.size() + kAtATime > sent.size(); }));
+    }
+  });
+  for (int refresh = 110; refresh <= 150; refresh += 10) {
+    spec.buses[0].devices[0].channels[0].refresh = milliseconds{refresh};
+    EXPECT_TRUE(bridge.reload(spec));
+  }
+  reloading = false;
+  sender.join();
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, seconds{20}, [&] { return results.size() == sent.size(); }))
+      << sent.size() - results.size() << " of " << sent.size() << " have no result";
+  for (const auto& [id, count] : results) EXPECT_EQ(count, 1) << "request " << id;
 }
 
 TEST_F(BridgeTest, ARemovedBusIsSilentAndANewOneSpeaks) {

@@ -249,6 +249,14 @@ void DdsLink::take_over_bus(const BusSpec& spec, const FollowedBus& followed) {
   state_->serve(spec.name, std::move(bus));
 }
 
+void DdsLink::ignore_requests(const std::string& bus) {
+  {
+    const std::lock_guard lock(state_->names_mutex);
+    state_->names.erase(bus);
+  }
+  if (const auto held = state_->held.extract(bus)) held.mapped().close();
+}
+
 void DdsLink::stand_by(bool standing_by) { state_->standing_by = standing_by; }
 
 std::vector<StandbyBusFigures> DdsLink::stream_figures() const {
@@ -318,10 +326,7 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
     if (found == state_->buses.end()) return;
     bus = std::move(found->second);
     state_->buses.erase(found);
-    const std::lock_guard names_lock(state_->names_mutex);
-    state_->names.erase(std::string(name));
   }
-  if (const auto held = state_->held.extract(std::string(name))) held.mapped().close();
   bus->blocks.flush();
   state_->dispose(*bus, linger, limit);
   state_->wait_for_block_readers(linger);

@@ -118,10 +118,13 @@ class DdsLink {
 
   // Disposes every instance of the bus, so that stations see its end, and waits at most `linger`
   // each for the readers of its samples, of catalogue blocks and of its channels. `limit` bounds
-  // the disposal. Threads as for add_bus().
+  // the disposal. Threads as for add_bus(). Requests for the bus still arrive, so that a restart
+  // of the bus loses none. ignore_requests() ends that.
   // REQUIRES: no thread publishes on the bus any more. No effect for an unknown bus.
   void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
                   Duration limit = Duration::max());
+  // Requests for the bus are for another bridge, or for none. Threads as for add_bus().
+  void ignore_requests(const std::string& bus);
 
   // Publishes the samples of an exchange: as a block, then one by one for readers of Sample, in
   // order for each channel. A channel out of range is a bug. One caller for a bus; some 10 us a

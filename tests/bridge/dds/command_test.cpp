@@ -26,6 +26,25 @@ TEST(DdsCommand, RunsAndItsResultComesBack) {
   EXPECT_EQ(bridge.received.commands.all()[0].first, bus);
 }
 
+TEST(DdsCommand, OfABusThatRestartsArriveUntilTheyAreIgnored) {
+  const std::string bus = bus_name("restart");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  bridge.link.remove_bus(bus);
+  const auto between = station.execute(write_running(bus));
+  ASSERT_TRUE(between) << to_text(between.error());
+  EXPECT_EQ(between->state, CommandState::kDone);
+  bridge.link.ignore_requests(bus);
+  StationCommand command = write_running(bus);
+  command.lifespan = 100ms;
+  const auto ignored = station.execute(command, 3s, 300ms);
+  ASSERT_FALSE(ignored);
+  EXPECT_EQ(ignored.error(), StationFault::kNoResult);
+  EXPECT_EQ(bridge.received.commands.size(), 1u);
+  bridge.link.add_bus(bus_of(bus, 1));
+  EXPECT_TRUE(station.execute(write_running(bus)));
+}
+
 TEST(DdsCommand, AChannelIsWrittenByItsPath) {
   const std::string bus = bus_name("path");
   Obedient bridge(bus);
