@@ -105,7 +105,7 @@ ExitCode CommandRun::why_not() const {
   return domain_.interrupted() ? ExitCode::kInterrupted : ExitCode::kNoBridge;
 }
 
-bool CommandRun::send(Errand& errand, Duration lifespan, Duration wait) {
+bool CommandRun::send(Errand& errand, Duration lifespan) {
   errand.command.lifespan = lifespan;
   // Short waits, so that Ctrl-C works while a bridge accepts no commands.
   constexpr Duration kShortWait = std::chrono::milliseconds{100};
@@ -118,18 +118,20 @@ bool CommandRun::send(Errand& errand, Duration lifespan, Duration wait) {
     outcome.result.reason = held.substr(2);  // skips "; "
     return false;
   }
-  for (const auto until = instant_now() + wait; !domain_.interrupted();) {
+  const bool was_unserved = unserved_.erase(errand.command.bus) > 0;
+  const auto until = instant_now() + (was_unserved ? Duration::zero() : kBridgeWait);
+  while (!domain_.interrupted()) {
     const auto sent = domain_.station().send(errand.command, kShortWait);
     if (sent) {
       outcome.result.request_id = *sent;
       return true;
     }
     if (sent.error() == StationFault::kNoBridge && instant_now() < until) continue;
-    outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
-                                                            : Outcome::State::kNotSent;
-    outcome.result.reason = sent.error() == StationFault::kNoBridge
-                                ? not_served_text(connection_, errand.command.bus)
-                                : std::string(to_text(sent.error()));
+    const bool unserved = sent.error() == StationFault::kNoBridge;
+    if (unserved) unserved_.insert(errand.command.bus);
+    outcome.state = unserved ? Outcome::State::kNoResult : Outcome::State::kNotSent;
+    outcome.result.reason = unserved ? not_served_text(connection_, errand.command.bus)
+                                     : std::string(to_text(sent.error()));
     return false;
   }
   outcome.state = Outcome::State::kNotSent;
@@ -149,7 +151,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
   while (next < errands.size() || !waiting.empty()) {
     for (; next < errands.size() && waiting.size() < kAtATime; ++next) {
       auto& errand = errands[next];
-      if (errand.to_be_sent() && send(errand, options_.timeout, kBridgeWait)) {
+      if (errand.to_be_sent() && send(errand, options_.timeout)) {
         waiting[errand.outcome.result.request_id] = {
             next, instant_now() + options_.timeout + kResultGrace};
       } else {

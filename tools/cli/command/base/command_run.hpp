@@ -4,6 +4,7 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,7 +69,8 @@ class CommandRun {
   static constexpr std::size_t kAtATime = 16;
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
-  [[nodiscard]] bool send(Errand& errand, Duration lifespan, Duration wait);
+  // Waits at most kBridgeWait for the bridge of the bus, but only once for a bus without one.
+  [[nodiscard]] bool send(Errand& errand, Duration lifespan);
   std::optional<std::string> note(const DomainEvent& event);
   void print(const Outcome& outcome);
 
@@ -77,6 +79,7 @@ class CommandRun {
   Options options_;
   const Streams to_;
   Catalogue catalogue_;
+  std::set<std::string> unserved_;  // buses for which the last send() found no bridge
 };
 
 // How commands begin. Each function creates the Interrupt before DDS starts threads.
