@@ -66,11 +66,22 @@ TEST(ValueText, FractionForAnIntegerIsTheBridgesToJudge) {  // the channel may b
 }
 
 TEST(ValueText, RefusesWhatIsNotAValueOfTheKind) {
-  EXPECT_THAT(value_from_text(parse_type("int16").value(), "warm").error(),
+  EXPECT_THAT(value_from_text(parse_type("int16").value(), "warm").error().text,
               HasSubstr("'warm' is no number"));
-  EXPECT_THAT(value_from_text(parse_type("bool").value(), "maybe").error(),
+  EXPECT_THAT(value_from_text(parse_type("bool").value(), "maybe").error().text,
               HasSubstr("is no bool"));
-  EXPECT_FALSE(value_from_text(parse_type("float32").value(), ""));
+  EXPECT_EQ(value_from_text(parse_type("float32").value(), "").error().cause, Cause::kWrongType);
+}
+
+TEST(ValueText, ANumberBeyondEveryTypeIsOutOfRange) {
+  for (const auto* type : {"int16", "uint64", "float32", "float64"}) {
+    for (const auto* text : {"18446744073709551616", "1e309", "-1e309"}) {
+      const auto refused = value_from_text(parse_type(type).value(), text);
+      ASSERT_FALSE(refused) << type << ' ' << text;
+      EXPECT_EQ(refused.error().cause, Cause::kRange) << type << ' ' << text;
+      EXPECT_EQ(refused.error().text, std::string("'") + text + "' does not fit " + type);
+    }
+  }
 }
 
 Outcome outcome(CommandState state) {

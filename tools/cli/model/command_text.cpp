@@ -75,13 +75,14 @@ tl::expected<Encoding, std::string> with_byte(Encoding encoding, std::string_vie
   return encoding;
 }
 
-tl::expected<Value, std::string> value_from_text(const Encoding& encoding, std::string_view text) {
+tl::expected<Value, ValueFault> value_from_text(const Encoding& encoding, std::string_view text) {
   const auto parsed = [&](ValueType type) { return parse_value(Encoding{type}, text); };
   if (encoding.type == ValueType::kString) return Value{std::string(text)};
   if (encoding.type == ValueType::kBool) {
     if (const auto value = parsed(ValueType::kBool)) return *value;
     return tl::unexpected(
-        fmt::format("'{}' is no bool; write true or false, on or off, 1 or 0", text));
+        ValueFault{Cause::kWrongType,
+                   fmt::format("'{}' is no bool; write true or false, on or off, 1 or 0", text)});
   }
   const bool real = encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64;
   if (!real) {
@@ -89,9 +90,14 @@ tl::expected<Value, std::string> value_from_text(const Encoding& encoding, std::
       if (const auto value = parsed(type)) return *value;
     }
   }
-  if (const auto value = parsed(ValueType::kFloat64)) return *value;
-  return tl::unexpected(
-      fmt::format("'{}' is no number, and the type is {}", text, to_text(encoding.type)));
+  const auto value = parsed(ValueType::kFloat64);
+  if (value) return *value;
+  if (value.error() == Cause::kRange)
+    return tl::unexpected(
+        ValueFault{Cause::kRange, fmt::format("'{}' does not fit {}", text, to_text(encoding))});
+  return tl::unexpected(ValueFault{
+      Cause::kWrongType,
+      fmt::format("'{}' is no number, and the type is {}", text, to_text(encoding.type))});
 }
 
 Outcome refused_here(const ChannelPath& path, bool write, Cause cause, std::string reason) {

@@ -29,9 +29,13 @@ struct Assignment {
 [[nodiscard]] tl::expected<Encoding, std::string> with_byte(Encoding encoding,
                                                             std::string_view byte);
 
+struct ValueFault {
+  Cause cause = Cause::kWrongType;  // or kRange
+  std::string text;
+};
 // The bridge checks the channel's limits and scale, so fractions are accepted.
-[[nodiscard]] tl::expected<Value, std::string> value_from_text(const Encoding& encoding,
-                                                               std::string_view text);
+[[nodiscard]] tl::expected<Value, ValueFault> value_from_text(const Encoding& encoding,
+                                                              std::string_view text);
 
 struct Outcome {
   enum class State : unsigned char { kResult, kRefusedHere, kNoResult, kNotSent };

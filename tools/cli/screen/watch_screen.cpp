@@ -157,7 +157,7 @@ void WatchScreen::take_value() {
   }
   const auto value = value_from_text(*encoding, typed_.text());
   if (!value) {
-    fault_ = value.error();
+    fault_ = value.error().text;
     return;
   }
   write_.value = *value;

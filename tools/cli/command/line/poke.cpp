@@ -42,7 +42,8 @@ tl::expected<Write, std::string> write_of(const std::string& assignment, const s
   while (true) {
     const auto comma = write.encoding.is_text() ? std::string_view::npos : rest.find(',');
     auto value = value_from_text(write.encoding, rest.substr(0, comma));
-    if (!value) return tl::unexpected(fmt::format("{}: {}", printable(write.at), value.error()));
+    if (!value)
+      return tl::unexpected(fmt::format("{}: {}", printable(write.at), value.error().text));
     write.values.push_back(*std::move(value));
     if (comma == std::string_view::npos) return write;
     rest.remove_prefix(comma + 1);

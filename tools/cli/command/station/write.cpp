@@ -20,7 +20,7 @@ Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool 
   const auto encoding = parse_type(channel->type);
   if (!encoding) return refused(Cause::kUnsupported, encoding.error());
   const auto value = value_from_text(*encoding, assignment.value);
-  if (!value) return refused(Cause::kWrongType, value.error());
+  if (!value) return refused(value.error().cause, value.error().text);
 
   return channel_write(assignment.path, *value, {channel->type, channel->unit, verify});
 }
@@ -65,7 +65,7 @@ tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
   command.verify = options.verify;
   for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
     const auto value = value_from_text(type.encoding, *word);
-    if (!value) return tl::unexpected(value.error());
+    if (!value) return tl::unexpected(value.error().text);
     command.values.push_back(*value);
   }
   command.count = static_cast<std::uint32_t>(command.values.size());
