@@ -272,6 +272,18 @@ std::string text_of(const mu::ParserError& error) {
   }
 }
 
+// What is allowed at the place of the fault; empty if the fault says it.
+std::string remedy_of(const mu::ParserError& error) {
+  switch (error.GetCode()) {
+    case mu::ecTOO_MANY_PARAMS:
+    case mu::ecTOO_FEW_PARAMS:
+      return "if(condition, then, else), atan2(y, x), at least one argument of max, mean, min and "
+             "sum, one of every other function";
+    case mu::ecUNEXPECTED_OPERATOR: return "a number, the name of a channel, '(' or a function";
+    default: return {};
+  }
+}
+
 }  // namespace
 
 tl::expected<Expression, ExpressionFault> parse_expression(std::string_view text) {
@@ -294,8 +306,8 @@ tl::expected<Formula, ExpressionFault> compile(const Expression& expression) {
       return tl::unexpected(ExpressionFault{0, "',' outside of a function", "one expression"});
   } catch (const mu::ParserError& error) {
     const std::size_t at = error.GetPos() < 0 ? 0 : static_cast<std::size_t>(error.GetPos());
-    return tl::unexpected(
-        ExpressionFault{std::min(at, expression.code.size()), text_of(error), {}, {}});
+    return tl::unexpected(ExpressionFault{
+        std::min(at, expression.code.size()), text_of(error), remedy_of(error), {}});
   }
   return [made](std::span<const double> values) {
     std::ranges::copy(values, made->values.begin());

@@ -80,6 +80,20 @@ bool is_number(const Encoding& encoding) {
   return encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
 }
 
+// The digits are the bits of the type: a float has them all, an integer may have fewer. The device
+// may add "0x" and leading zeros.
+void check_hex(MapReader& map, const ChannelSpec& spec) {
+  constexpr unsigned kMostHex = 18;  // 64 bits and "0x"
+  const ValueType type = spec.encoding.type;
+  const bool real = type == ValueType::kFloat32 || type == ValueType::kFloat64;
+  const unsigned least = real ? width_bits(Encoding{.type = type}) / 4 : 1;
+  if (spec.encoding.string_bytes >= least && spec.encoding.string_bytes <= kMostHex) return;
+  map.fault("text",
+            fmt::format("hex({}) does not spell a {}", spec.encoding.string_bytes,
+                        fieldcast::to_text(type)),
+            fmt::format("hex({}) to hex({})", least, kMostHex));
+}
+
 // The key, or the declaration of the value, gives the format. check_type() checks the type.
 void read_text(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
@@ -108,6 +122,8 @@ void read_text(MapReader& map, Draft& draft) {
     draft.typed = false;
   } else if (map.has("text") && !given) {
     draft.typed = false;  // a fault was already added
+  } else if (given && there == 0 && form.number.kind == TextNumber::Kind::kHex) {
+    check_hex(map, draft.spec);
   }
 }
 
@@ -250,7 +266,10 @@ void check_numbers(MapReader& map, Draft& draft) {
   if (spec.encoding.scale == 0)
     map.fault("scale", "scale is 0", "any other number, with a decimal point: 0.1");
   check_deadband(map, spec);
-  if (draft.typed && number) check_write_span(map, spec);
+  if (draft.typed && number) {
+    check_write_span(map, spec);
+    check_limits_span(map, spec);
+  }
   if (!draft.typed || number) return;
   for (const std::string_view key : {"digits", "scale", "offset", "limits"}) {
     if (map.has(key))

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "config/channel/channel_keys.hpp"
@@ -10,27 +11,38 @@
 namespace fieldcast::config {
 namespace {
 
-// Empty for floats.
+// Empty for floats, and if the device gives an exponent.
 std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
   double least = 0, greatest = 0;
+  const int width = static_cast<int>(width_bits(Encoding{.type = encoding.type}));
+  if (encoding.exponent_distance != 0) return std::nullopt;
   switch (encoding.type) {
+    case ValueType::kInt8:
     case ValueType::kInt16:
     case ValueType::kInt32:
     case ValueType::kInt64:
-      least = -std::ldexp(1.0, static_cast<int>(width_bits(encoding)) - 1);
+      least = -std::ldexp(1.0, width - 1);
       greatest = -least - 1;
       break;
+    case ValueType::kUint8:
     case ValueType::kUint16:
     case ValueType::kUint32:
-    case ValueType::kUint64:
-      greatest = std::ldexp(1.0, static_cast<int>(width_bits(encoding))) - 1;
-      break;
+    case ValueType::kUint64: greatest = std::ldexp(1.0, width) - 1; break;
+    case ValueType::kBcd8: greatest = 99; break;
     case ValueType::kBcd16: greatest = 9'999; break;
     case ValueType::kBcd32: greatest = 99'999'999; break;
     default: return std::nullopt;
   }
   return std::minmax(
       {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
+}
+
+using Ladder = std::array<std::pair<std::string_view, const std::optional<double>*>, 4>;
+Ladder ladder_of(const Limits& limits) {
+  return {{{"low-low", &limits.low_low},
+           {"low", &limits.low},
+           {"high", &limits.high},
+           {"high-high", &limits.high_high}}};
 }
 
 // A value back inside one limit by the hysteresis must not exceed the opposite one.
@@ -51,14 +63,9 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   if (node == nullptr) return;
   MapReader map(*node, limit_rows(), channel.faults());
   limit_rows().read(map, spec.limits);
-  const std::pair<std::string_view, const std::optional<double>*> ladder[] = {
-      {"low-low", &spec.limits.low_low},
-      {"low", &spec.limits.low},
-      {"high", &spec.limits.high},
-      {"high-high", &spec.limits.high_high}};
   std::string_view below;
   const std::optional<double>* bound = nullptr;
-  for (const auto& [key, limit] : ladder) {
+  for (const auto& [key, limit] : ladder_of(spec.limits)) {
     if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
       map.fault(key, fmt::format("limit '{}' is not above '{}'", key, below),
@@ -86,12 +93,32 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
 
 void check_write_span(MapReader& map, const ChannelSpec& spec) {
   const auto span = span_of(spec.encoding);
-  if (!span || (spec.write_min.value_or(span->first) <= span->second &&
-                spec.write_max.value_or(span->second) >= span->first))
-    return;
-  map.fault("write", "no value of this channel is within its write limits",
-            fmt::format("limits that overlap with {} to {}", fieldcast::to_text(Value{span->first}),
-                        fieldcast::to_text(Value{span->second})));
+  if (!span || (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max)) return;
+  double least = std::max(spec.write_min.value_or(span->first), span->first);
+  double greatest = std::min(spec.write_max.value_or(span->second), span->second);
+  // A scaled value is rounded after the check of the limits, others are whole.
+  if (!spec.encoding.scaled()) least = std::ceil(least), greatest = std::floor(greatest);
+  if (least <= greatest) return;
+  map.fault(
+      "write", "no value of this channel is within its write limits",
+      fmt::format("limits that overlap with {}{} to {}",
+                  spec.encoding.scaled() ? "" : "whole numbers of ",
+                  fieldcast::to_text(Value{span->first}), fieldcast::to_text(Value{span->second})));
+}
+
+void check_limits_span(MapReader& map, const ChannelSpec& spec) {
+  const auto span = span_of(spec.encoding);
+  if (!span) return;
+  const double rounding = 1e-9 * (span->second - span->first);
+  for (const auto& [key, limit] : ladder_of(spec.limits)) {
+    if (!*limit || (**limit >= span->first - rounding && **limit <= span->second + rounding))
+      continue;
+    map.fault("limits",
+              fmt::format("no value of this channel reaches limit '{}' {}", key,
+                          fieldcast::to_text(Value{**limit})),
+              fmt::format("{} to {}", fieldcast::to_text(Value{span->first}),
+                          fieldcast::to_text(Value{span->second})));
+  }
 }
 
 // A value held back by the deadband must not hide a change from one limit to the other.

@@ -94,6 +94,19 @@ constexpr std::array<std::pair<std::string_view, TextNumber::Kind>, 3> kWords{
      {"decimal-comma", TextNumber::Kind::kDecimalComma},
      {"hex", TextNumber::Kind::kHex}}};
 
+// "7" of "decimal(7)"; empty without brackets.
+std::string_view size_in(std::string_view text) {
+  const auto open = text.find('(');
+  if (open == text.npos || !text.ends_with(')')) return {};
+  return text.substr(open + 1, text.size() - open - 2);
+}
+
+bool is_word_with_size(std::string_view text) {
+  return !size_in(text).empty() && std::ranges::any_of(kWords, [&](const auto& row) {
+    return text.substr(0, text.find('(')) == row.first;
+  });
+}
+
 // "decimal(7)" or "decimal".
 std::optional<TextForm> word_form(std::string_view text) {
   const auto open = text.find('(');
@@ -102,8 +115,7 @@ std::optional<TextForm> word_form(std::string_view text) {
     TextForm form;
     form.number.kind = kind;
     if (open == text.npos) return form;
-    if (!text.ends_with(')')) return std::nullopt;
-    const auto characters = whole_from(text.substr(open + 1, text.size() - open - 2));
+    const auto characters = whole_from(size_in(text));
     if (!characters || *characters < 1 || *characters > kMaxTextCharacters) return std::nullopt;
     form.characters = static_cast<std::uint16_t>(*characters);
     return form;
@@ -120,12 +132,20 @@ std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_v
   if (const auto form = word_form(*text)) return form;
   if (const auto picture = text_number_from_picture(*text))
     return TextForm{*picture, static_cast<std::uint16_t>(text->size())};
+  if (is_word_with_size(*text)) {
+    faults.add(node.position, fmt::format("text '{}' is not of n characters", *text),
+               fmt::format("n of 1 to {}, as {}(7)", kMaxTextCharacters,
+                           text->substr(0, text->find('('))));
+    return std::nullopt;
+  }
   std::string meant;
   if (*text == "dec" || *text == "number" || *text == "true") meant = "decimal";
   if (*text == "comma") meant = "decimal-comma";
   if (meant.empty()) {
     const std::array<std::string_view, 3> words{kWords[0].first, kWords[1].first, kWords[2].first};
     meant = closest(text->substr(0, text->find('(')), words);
+    const std::string_view size = size_in(*text);
+    if (!meant.empty() && !size.empty()) meant += fmt::format("({})", size);
   }
   faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
              kTextNumberForms, meant);

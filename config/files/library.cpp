@@ -1,6 +1,7 @@
 #include "config/files/library.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -166,7 +167,14 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
   const auto meant = error == FileError::kMissing
                          ? closest(std::string_view(naming.text).substr(folder.size()), candidates)
                          : std::string();
-  faults_.add(naming.position, what + std::string(to_text(error)), {},
+  std::string allowed;
+  if (error == FileError::kUnreadable)
+    allowed = "a regular file that the user of this program may read";
+  else if (error == FileError::kMissing && meant.empty())
+    allowed = suffix.empty() ? "the path of a file, relative to the file that names it"
+                             : fmt::format("the name of a file in {}, without {}",
+                                           fmt::join(directories, " or "), suffix);
+  faults_.add(naming.position, what + std::string(to_text(error)), allowed,
               meant.empty() ? meant : std::string(folder) + meant);
 }
 

@@ -110,7 +110,10 @@ TEST(Files, ATemplateThatCannotBeReadIsNotSuggestedInItsPlace) {
       "modbus-rtu\n    devices:\n"
       "      - { name: d, address: 1, template: kind }\n";
   const std::string faults = faults_of(load_text(text, "/etc/line.yaml", reader));
-  EXPECT_TRUE(faults.ends_with("template 'kind' cannot be read\n")) << faults;
+  EXPECT_TRUE(
+      faults.ends_with("template 'kind' cannot be read; allowed: a regular file that the user of "
+                       "this program may read\n"))
+      << faults;
 }
 
 TEST(Files, SmallWindowsHabitsAreTolerated) {

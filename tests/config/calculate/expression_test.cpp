@@ -89,6 +89,16 @@ TEST(Expression, AFaultSaysAtWhichByteAndWhat) {
   EXPECT_NE(fault_of("a + )"), "");
 }
 
+TEST(Expression, AFaultSaysWhatIsAllowed) {
+  const auto allowed = [](const char* text) {
+    const auto expression = parse_expression(text);
+    return expression ? compile(*expression).error().allowed : expression.error().allowed;
+  };
+  EXPECT_NE(allowed("if(a)").find("if(condition, then, else)"), std::string::npos);
+  EXPECT_NE(allowed("sqrt(a, b)").find("one of every other function"), std::string::npos);
+  EXPECT_NE(allowed("a + * b").find("the name of a channel"), std::string::npos);
+}
+
 TEST(Expression, LengthOfNamesAndNestingAreBounded) {
   std::string names;
   for (std::size_t i = 0; i <= kMaxInputs; ++i) names += (i == 0 ? "" : "+c") + std::to_string(i);
