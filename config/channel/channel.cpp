@@ -266,10 +266,7 @@ void check_numbers(MapReader& map, Draft& draft) {
   if (spec.encoding.scale == 0)
     map.fault("scale", "scale is 0", "any other number, with a decimal point: 0.1");
   check_deadband(map, spec);
-  if (draft.typed && number) {
-    check_write_span(map, spec);
-    check_limits_span(map, spec);
-  }
+  if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
   for (const std::string_view key : {"digits", "scale", "offset", "limits"}) {
     if (map.has(key))

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "config/channel/channel_keys.hpp"
@@ -37,14 +36,6 @@ std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
       {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
 }
 
-using Ladder = std::array<std::pair<std::string_view, const std::optional<double>*>, 4>;
-Ladder ladder_of(const Limits& limits) {
-  return {{{"low-low", &limits.low_low},
-           {"low", &limits.low},
-           {"high", &limits.high},
-           {"high-high", &limits.high_high}}};
-}
-
 // A value back inside one limit by the hysteresis must not exceed the opposite one.
 void check_hysteresis(MapReader& map, const Limits& limits) {
   if (limits.hysteresis < 0) map.fault("hysteresis", "hysteresis is negative", "0 and above");
@@ -63,9 +54,14 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   if (node == nullptr) return;
   MapReader map(*node, limit_rows(), channel.faults());
   limit_rows().read(map, spec.limits);
+  const std::pair<std::string_view, const std::optional<double>*> ladder[] = {
+      {"low-low", &spec.limits.low_low},
+      {"low", &spec.limits.low},
+      {"high", &spec.limits.high},
+      {"high-high", &spec.limits.high_high}};
   std::string_view below;
   const std::optional<double>* bound = nullptr;
-  for (const auto& [key, limit] : ladder_of(spec.limits)) {
+  for (const auto& [key, limit] : ladder) {
     if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
       map.fault(key, fmt::format("limit '{}' is not above '{}'", key, below),
@@ -104,21 +100,6 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
       fmt::format("limits that overlap with {}{} to {}",
                   spec.encoding.scaled() ? "" : "whole numbers of ",
                   fieldcast::to_text(Value{span->first}), fieldcast::to_text(Value{span->second})));
-}
-
-void check_limits_span(MapReader& map, const ChannelSpec& spec) {
-  const auto span = span_of(spec.encoding);
-  if (!span) return;
-  const double rounding = 1e-9 * (span->second - span->first);
-  for (const auto& [key, limit] : ladder_of(spec.limits)) {
-    if (!*limit || (**limit >= span->first - rounding && **limit <= span->second + rounding))
-      continue;
-    map.fault("limits",
-              fmt::format("no value of this channel reaches limit '{}' {}", key,
-                          fieldcast::to_text(Value{**limit})),
-              fmt::format("{} to {}", fieldcast::to_text(Value{span->first}),
-                          fieldcast::to_text(Value{span->second})));
-  }
 }
 
 // A value held back by the deadband must not hide a change from one limit to the other.
