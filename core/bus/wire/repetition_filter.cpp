@@ -4,6 +4,16 @@
 #include <utility>
 
 namespace fieldcast {
+namespace {
+
+// Number of bytes up to the end of the frame; 0 if they do not contain it.
+std::size_t end_of(ByteView frame, ByteView bytes) {
+  const auto found = std::search(bytes.begin(), bytes.end(), frame.begin(), frame.end());
+  if (found == bytes.end()) return 0;
+  return static_cast<std::size_t>(found - bytes.begin()) + frame.size();
+}
+
+}  // namespace
 
 void RepetitionFilter::responded(DeviceIndex device, ByteView received, std::size_t expected,
                                  Instant at) {
@@ -27,7 +37,7 @@ void RepetitionFilter::stray(ByteView bytes, Instant now) {
   if (frame_.empty() || now > arrived_until()) return;
   if (strays_.size() + bytes.size() > 2 * frame_.size()) return;
   append(strays_, bytes);
-  if (std::ranges::search(strays_, frame_).begin() != strays_.end()) repeated();
+  if (end_of(frame_, strays_) > 0) repeated();
 }
 
 void RepetitionFilter::repeated() {
@@ -37,8 +47,7 @@ void RepetitionFilter::repeated() {
 
 std::size_t RepetitionFilter::find(ByteView received, Instant asked) const {
   if (frame_.empty() || asked >= arrived_until()) return 0;
-  const auto found = std::ranges::search(received, frame_);
-  return found.empty() ? 0 : static_cast<std::size_t>(found.end() - received.begin());
+  return end_of(frame_, received);
 }
 
 }  // namespace fieldcast
