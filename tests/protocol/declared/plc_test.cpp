@@ -244,7 +244,7 @@ TEST(KeyenceKv, ReportsTheCodeOfARefusal) {
   for (const Request& request : {device.read("DM0", 1), device.write("DM0", "00 01")}) {
     const Outcome refused = drive(*device.begin(request), plc_bytes("E4\r\n"));
     EXPECT_EQ(refused.cause, Cause::kDeviceError);
-    EXPECT_EQ(refused.code, 4);
+    EXPECT_EQ(refused.code, 0xE4);
   }
 }
 
