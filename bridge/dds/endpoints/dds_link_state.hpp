@@ -152,8 +152,9 @@ struct DdsLink::State {
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;
-  // The buses whose requests are received: DDS threads look them up while they hold locks of the library, for
-  // which a holder of `mutex` may wait. No function is called while `names_mutex` is held.
+  // The buses whose requests are received: DDS threads look them up while they hold locks of the
+  // library, for which a holder of `mutex` may wait. No function is called while `names_mutex` is
+  // held.
   std::mutex names_mutex;
   std::set<std::string, std::less<>> names;
   bool closed = false;
