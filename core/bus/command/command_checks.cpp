@@ -61,8 +61,7 @@ tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const 
     const std::string shown = *number == *rounded
                                   ? to_text(value)
                                   : to_text(stored) + " (rounded from " + to_text(value) + ')';
-    return fault(Cause::kRange, shown + " is " + than + " value allowed, " + to_text(Value{limit}) +
-                                    " (write: " + key + ')');
+    return fault(Cause::kRange, shown + than + to_text(Value{limit}) + key);
   };
   // How much a stored value can differ from the limit that it means.
   const auto error_at = [&](double limit) {
@@ -70,10 +69,10 @@ tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const 
   };
   if (const auto min = channel.write_min;
       min && (*number < *min || *rounded < *min - error_at(*min)))
-    return refused("below the lowest", *min, "min");
+    return refused(" is below the lowest value allowed, ", *min, " (write: min)");
   if (const auto max = channel.write_max;
       max && (*number > *max || *rounded > *max + error_at(*max)))
-    return refused("above the highest", *max, "max");
+    return refused(" is above the highest value allowed, ", *max, " (write: max)");
   return {};
 }
 
