@@ -176,7 +176,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   // discovery whose first ones crossed (25 joins: at most 0.9 s instead of 3.1 s). Replaces the
   // values of a profile: other participants rely on these times.
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = {10, 0};
+  discovery.leaseDuration = to_dds(kParticipantLease);
   discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   qos.name() = name;
   turn_off_type_propagation(qos);

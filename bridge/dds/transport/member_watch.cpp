@@ -70,7 +70,6 @@ void MemberWatch::run() {
 // The others removed this program, but it did not remove them, and Fast DDS 2.9 begins no second
 // handshake with a member that it knows.
 void MemberWatch::look_at_pause(Duration pause) {
-  constexpr Duration kParticipantLease = std::chrono::seconds{10};  // set by domain.cpp
   if (pause < kParticipantLease) return;
   say_security(true, "this program was suspended for " +
                          to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
