@@ -110,7 +110,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     return take_stray(event.bytes, now, sink);
   }
   Bytes out;
-  const auto outcome = parts_.on_bytes(event.bytes, now, out);
+  const auto outcome = parts_.late.skip_repetition(parts_.wire(), event.bytes, now, out);
   const Asked& asked = parts_.wire().flight().asked;
   parts_.fence.bytes_came(parts_.wire().driver().received().empty(), now);
   // The wire may belong to another master, and these bytes to its exchange.
@@ -131,9 +131,9 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     parts_.wire().wait_on();
     return parts_.late.start_anew();
   }
-  if (out.empty()) {
-    const auto until = parts_.doubtful_until(outcome, forecast_.waits_for_whole(), now);
-    if (until) return parts_.wire().hold(outcome, *until);
+  if (out.empty() && parts_.wire().driver().got_response(outcome)) {
+    const auto until = repetition_until(now);
+    if (until > now) return parts_.wire().hold(outcome, until);
   }
   advance(outcome, std::move(out), now, sink);
 }
@@ -296,8 +296,22 @@ bool BusEngine::is_too_early(DeviceIndex device) {
          parts_.fence.doubts_first(began, parts_.setup.line().characters(1));
 }
 
+// If the response is a repetition of the last one, its own follows within the usual time.
+Instant BusEngine::repetition_until(Instant now) const {
+  const ExchangeDriver& driver = parts_.wire().driver();
+  const DeviceIndex device = parts_.wire().flight().asked.device;
+  const Duration delay = spec().gap_allowance;
+  // Bytes that were read when the response could be complete may have arrived before.
+  const Duration read_from = forecast_.waits_for_whole()
+                                 ? parts_.devices.earliest_response(device).value_or(Duration{})
+                                 : Duration{};
+  if (!parts_.late.may_repeat(driver, read_from + delay)) return now;
+  return driver.responded() - driver.response_began() +
+         parts_.devices.usual_response(device, delay);
+}
+
 bool BusEngine::another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink) {
-  if (!got_response(outcome, parts_.wire().driver().cause())) return false;
+  if (!parts_.wire().driver().got_response(outcome)) return false;
   if (!parts_.fence.came_between(parts_.wire().driver().before_response(), now)) return false;
   let_go(now, sink);
   give_up(Cause::kForeignMaster, now, sink);
@@ -316,10 +330,9 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
     (void)parts_.fence.sending(out, parts_.wire().driver().confirmed_until());
     sink.push(Send{std::move(out)});
   }
-  if (parts_.fence.ended(got_response(outcome, parts_.wire().driver().cause()),
-                         parts_.wire().driver().received(), now))
-    let_go(now, sink);
-  forecast_.ended(parts_.wire().driver(), outcome == ExchangeDriver::Outcome::kDone);
+  const ExchangeDriver& driver = parts_.wire().driver();
+  if (parts_.fence.ended(driver.got_response(outcome), driver.received(), now)) let_go(now, sink);
+  forecast_.ended(driver, outcome == ExchangeDriver::Outcome::kDone);
   auto lost = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
   if (lost) reopen(std::move(*lost), {}, now, sink);
 }
@@ -435,55 +448,6 @@ Instant BusEngine::quiet_until() const {
   const Wire& wire = parts_.wire();
   return forecast_.quiet_until(wire.driver(),
                                parts_.devices.earliest_response(wire.flight().asked.device));
-}
-
-std::string BusEngine::request_text(ByteView sent) const {
-  const Wire* wire = parts_.sender_of(sent);
-  return wire == nullptr ? std::string() : flight_text(parts_, wire->flight());
-}
-
-std::optional<DeviceIndex> BusEngine::asked_device(ByteView sent) const {
-  const Wire* wire = parts_.sender_of(sent);
-  if (wire == nullptr) return std::nullopt;
-  return wire->flight().asked.device;
-}
-
-BusReport BusEngine::bus_report(Instant now) {
-  WireLoad::Shares shares;
-  BusReport report;
-  for (Wire& wire : parts_.wires) {
-    const WireLoad::Shares own = wire.shares(now);
-    shares.busy += own.busy / static_cast<double>(parts_.wires.size());
-    shares.reading += own.reading / static_cast<double>(parts_.wires.size());
-    report.exchanges += wire.exchanges();
-    report.bytes_sent += wire.driver().bytes_sent();
-    report.bytes_received += wire.driver().bytes_received();
-  }
-  report.state = state_;
-  if (state_ == BusState::kClosed) report.closed_because = closed_because_;
-  report.utilisation = shares.busy;
-  report.measured_load = shares.reading;
-  report.planned_load = parts_.reads.planned_load();
-  report.stretch = parts_.reads.stretch();
-  report.silence = parts_.wires.front().silence();
-  report.listening = state_ == BusState::kRunning && parts_.fence.listening();
-  report.foreign_masters = parts_.fence.foreign_masters();
-  report.samples = samples_;
-  report.commands = parts_.commands.done();
-  report.reopened = reopened_;
-  report.causes = outcomes_.causes();
-  report.misses = parts_.channels.misses(now);
-  report.deadline_misses = report.misses.total();
-  return report;
-}
-
-DeviceReport BusEngine::device_report(DeviceIndex device, Instant now) const {
-  DeviceReport report = parts_.devices.report(device);
-  if (state_ == BusState::kClosed) report.state = DeviceState::kUnknown;
-  parts_.reads.describe(device, report);
-  for (ChannelIndex c = parts_.channels.first_of(device); c < parts_.channels.end_of(device); ++c)
-    report.deadline_misses += parts_.channels.report(c, now).missed;
-  return report;
 }
 
 void make_plans(BusEngine& engine, Instant now, Actions& actions) {

@@ -96,6 +96,8 @@ class BusEngine {
 
   // Returns true if the response began before the end of its request.
   [[nodiscard]] bool is_too_early(DeviceIndex device);
+  // Until then the received response may be a repetition of the last one. REQUIRES: exchanging().
+  [[nodiscard]] Instant repetition_until(Instant now) const;
   bool another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink);
   void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
   void take_frames(ByteView bytes, Instant now, ActionSink& sink);

@@ -63,47 +63,6 @@ tl::expected<void, CommandFault> BusParts::admit(const Command& command, Instant
   return {};
 }
 
-bool got_response(ExchangeDriver::Outcome outcome, Cause cause) {
-  const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
-  return outcome == ExchangeDriver::Outcome::kDone ||
-         (outcome == ExchangeDriver::Outcome::kFailed && refused);
-}
-
-// Bytes behind a frame that equals the last response show that this frame was a repetition of it:
-// the response of this request is in the other bytes.
-ExchangeDriver::Outcome BusParts::on_bytes(ByteView bytes, Instant now, Bytes& out) {
-  RepetitionFilter& repetitions = late.repetitions();
-  if (wire().driver().holds()) {
-    wire().wait_on();
-    repetitions.discard();
-    late.start_anew();
-  }
-  const auto outcome = wire().on_bytes(bytes, now, out);
-  const ExchangeDriver& driver = wire().driver();
-  if (!got_response(outcome, driver.cause()) || !out.empty()) return outcome;
-  const std::size_t size = repetitions.find(driver.received(), driver.sent_from());
-  if (size == 0 || size == driver.received().size()) return outcome;
-  repetitions.discard();
-  late.start_anew();
-  return wire().wait_on(size, now, out);
-}
-
-// If the frame is a repetition, the response of the request arrives within the usual time.
-std::optional<Instant> BusParts::doubtful_until(ExchangeDriver::Outcome outcome, bool read_whole,
-                                                Instant now) const {
-  const ExchangeDriver& driver = wire().driver();
-  if (!got_response(outcome, driver.cause()) || setup.timeless()) return std::nullopt;
-  if (late.repetitions().find(driver.received(), driver.sent_from()) == 0) return std::nullopt;
-  const DeviceIndex device = wire().flight().asked.device;
-  const Duration delay = late.repetitions().longest_delay();
-  const Duration taken = driver.response_began();
-  const Duration read_from =
-      read_whole ? devices.earliest_response(device).value_or(Duration{}) : Duration{};
-  if (taken > read_from + delay) return std::nullopt;
-  const Instant until = driver.responded() - taken + devices.usual_response(device, delay);
-  return until > now ? std::optional(until) : std::nullopt;
-}
-
 std::string flight_text(const BusParts& parts, const Flight& flight) {
   const DeviceIndex device = flight.asked.device;
   std::string why;

@@ -53,14 +53,6 @@ struct BusParts {
   // Gives the ad-hoc device of a command an index. Fails if it could disturb the bus.
   [[nodiscard]] tl::expected<void, CommandFault> admit(const Command& command, Instant now);
 
-  // Bytes for the exchange of wire(), which skips a repetition of the last response. REQUIRES:
-  // wire().exchanging().
-  ExchangeDriver::Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
-  // Until then the received response may be a repetition of the last one; empty if it is not.
-  // `read_whole`: bytes were not read before the response could be complete.
-  [[nodiscard]] std::optional<Instant> doubtful_until(ExchangeDriver::Outcome outcome,
-                                                      bool read_whole, Instant now) const;
-
   // The wire whose exchange begins or ends.
   [[nodiscard]] Wire& wire() { return *wire_; }
   [[nodiscard]] const Wire& wire() const { return *wire_; }
@@ -84,9 +76,6 @@ struct BusParts {
  private:
   Wire* wire_ = nullptr;
 };
-
-// With values or with a refusal.
-[[nodiscard]] bool got_response(ExchangeDriver::Outcome outcome, Cause cause);
 
 // "press-1: read holding:100..109 (oil-temperature, running, +3)".
 [[nodiscard]] std::string flight_text(const BusParts& parts, const Flight& flight);

@@ -61,6 +61,11 @@ class ExchangeDriver {
   std::unique_ptr<Exchange> finish() { return std::move(exchange_); }
 
   [[nodiscard]] Cause cause() const { return cause_; }
+  // Whether the last outcome, `outcome`, is a response: values or a refusal.
+  [[nodiscard]] bool got_response(Outcome outcome) const {
+    const bool refused = cause_ == Cause::kDeviceError || cause_ == Cause::kDeviceBusy;
+    return outcome == Outcome::kDone || (outcome == Outcome::kFailed && refused);
+  }
   // The exchange failed because its frames ended, not because a byte contradicts the protocol.
   [[nodiscard]] bool ended_in_silence() const { return ended_in_silence_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }

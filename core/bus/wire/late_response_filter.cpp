@@ -125,6 +125,25 @@ bool LateResponseFilter::broken_response_came(const Asked& asked,
   return known != heads.end() && known->second == head_of(driver.received());
 }
 
+// Bytes behind a frame that equals the last response show that this frame was a repetition of it:
+// the response of this request is in the other bytes.
+ExchangeDriver::Outcome LateResponseFilter::skip_repetition(Wire& wire, ByteView bytes, Instant now,
+                                                            Bytes& out) {
+  const ExchangeDriver& driver = wire.driver();
+  if (driver.holds()) {
+    wire.wait_on();
+    repetitions_.discard();
+    start_anew();
+  }
+  const auto outcome = wire.on_bytes(bytes, now, out);
+  if (!driver.got_response(outcome) || !out.empty()) return outcome;
+  const std::size_t size = repetitions_.find(driver.received(), driver.sent_from());
+  if (size == 0 || size == driver.received().size()) return outcome;
+  repetitions_.discard();
+  start_anew();
+  return wire.wait_on(size, now, out);
+}
+
 std::vector<LateResponseFilter::Late> LateResponseFilter::in_exchange(const Asked& under_way,
                                                                       const ExchangeDriver& driver,
                                                                       Instant now) {

@@ -12,6 +12,7 @@
 #include "core/bus/wire/exchange_driver.hpp"
 #include "core/bus/wire/pending_responses.hpp"
 #include "core/bus/wire/repetition_filter.hpp"
+#include "core/bus/wire/wire.hpp"
 
 namespace fieldcast {
 
@@ -66,6 +67,16 @@ class LateResponseFilter {
   void timed_out(Asked asked, Block block, Duration longest, const ExchangeDriver& driver,
                  Instant now);
   void broken_off(Asked asked, Duration longest);
+
+  // Bytes for the exchange of the wire, which skips a repetition of the last response. REQUIRES:
+  // wire.exchanging().
+  ExchangeDriver::Outcome skip_repetition(Wire& wire, ByteView bytes, Instant now, Bytes& out);
+  // Whether the received response equals the last one and began within `early`, so that it may be
+  // its repetition.
+  [[nodiscard]] bool may_repeat(const ExchangeDriver& driver, Duration early) const {
+    return !setup_.timeless() && driver.response_began() <= early &&
+           repetitions_.find(driver.received(), driver.sent_from()) > 0;
+  }
 
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
                                               Instant now);

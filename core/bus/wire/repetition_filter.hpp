@@ -48,7 +48,6 @@ class RepetitionFilter {
     return watched_[device_] > 0 ? arrived_until() : kLongAgo;
   }
   [[nodiscard]] bool watches(DeviceIndex device) const { return watched_[device] > 0; }
-  [[nodiscard]] Duration longest_delay() const { return longest_delay_; }
 
  private:
   void repeated();
