@@ -56,7 +56,7 @@ TEST_F(CommandJobTest, WriteIsDoneWhenTheDeviceConfirms) {
   ASSERT_TRUE(job);
   const auto request = job->next();
   EXPECT_EQ(std::get<WriteRequest>(*request).items, (Bytes{0x01, 0xF4}));
-  job->responded({{}});
+  job->responded({{}}, {});
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).state, CommandState::kDone);
   EXPECT_EQ(job->written_channel(), ChannelIndex{10});
@@ -93,17 +93,17 @@ TEST_F(CommandJobTest, AValueThatMeansNotAvailableIsNotWritten) {
 
 TEST_F(CommandJobTest, VerifyReadsBack) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
-  job->responded({{}});
+  job->responded({{}}, {});
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->responded(items({0x01, 0xF4}));
+  job->responded(items({0x01, 0xF4}), {});
   EXPECT_EQ(result(*job).state, CommandState::kVerified);
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{500}}));
 }
 
 TEST_F(CommandJobTest, AnotherValueReadBackIsAFailure) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
-  job->responded({{}});
-  job->responded(items({0x00, 0x01}));
+  job->responded({{}}, {});
+  job->responded(items({0x00, 0x01}), {});
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
   EXPECT_EQ(result(*job).cause, Cause::kNotVerified);
 }
@@ -112,17 +112,17 @@ TEST_F(CommandJobTest, AWriteWithoutResponseIsReadBackNotRepeated) {
   auto job = make(write("setpoint", std::uint64_t{500}));
   job->failed(Cause::kNoResponse, 0);
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->responded(items({0x01, 0xF4}));
+  job->responded(items({0x01, 0xF4}), {});
   EXPECT_EQ(result(*job).state, CommandState::kDone);
 }
 
 TEST_F(CommandJobTest, WriteThatDidNotTakeEffectIsRepeatedWithinTheRetries) {
   auto job = make(write("setpoint", std::uint64_t{500}));
   job->failed(Cause::kNoResponse, 0);
-  job->responded(items({0x00, 0x00}));
+  job->responded(items({0x00, 0x00}), {});
   ASSERT_TRUE(std::holds_alternative<WriteRequest>(*job->next()));
   job->failed(Cause::kNoResponse, 0);
-  job->responded(items({0x00, 0x00}));
+  job->responded(items({0x00, 0x00}), {});
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
   EXPECT_EQ(result(*job).cause, Cause::kNoResponse);
 }
@@ -150,7 +150,7 @@ TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBac
       job->failed(Cause::kDeviceBusy, code);
       const auto request = job->next();
       ASSERT_TRUE(request && std::holds_alternative<ReadRequest>(*request)) << code;
-      job->responded(items(same ? Bytes{0x01, 0xF4} : Bytes{0x00, 0x01}));
+      job->responded(items(same ? Bytes{0x01, 0xF4} : Bytes{0x00, 0x01}), {});
       EXPECT_FALSE(job->next()) << "it is not written again";
       const auto ended = result(*job);
       EXPECT_EQ(ended.state, same ? CommandState::kDone : CommandState::kFailed);
@@ -191,9 +191,9 @@ TEST_F(CommandJobTest, AMomentaryCodeToAWriteThatCannotBeReadBackLeavesItOpen) {
 TEST_F(CommandJobTest, BitOfAWordKeepsTheOtherBits) {
   auto job = make(write("lamp", true));
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->responded(items({0xA0, 0x51}));
+  job->responded(items({0xA0, 0x51}), {});
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0xA0, 0x59}));
-  job->responded({{}});
+  job->responded({{}}, {});
   EXPECT_EQ(result(*job).state, CommandState::kDone);
 }
 
@@ -245,10 +245,10 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->responded(items({1}));
+  job->responded(items({1}), {});
   EXPECT_EQ(job->take_acquired().size(), 1u);
   EXPECT_TRUE(job->take_acquired().empty());
-  job->responded(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
+  job->responded(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}), {});  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,
             (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));
@@ -268,7 +268,7 @@ TEST_F(CommandJobTest, NoReadIsLongerThanTheBlockOfTheDevice) {
     const auto request = job->next();
     ASSERT_TRUE(request);
     ranges.push_back(std::get<ReadRequest>(*request).ranges.front());
-    job->responded(CommandJobTest::items(Bytes(items)));
+    job->responded(CommandJobTest::items(Bytes(items)), {});
   }
   EXPECT_FALSE(job->next());
   EXPECT_EQ(ranges, (std::vector<Range>{{0, 7, 1}, {2, 100, 2}, {2, 102, 1}}));
@@ -365,7 +365,7 @@ TEST_F(RawCommandTest, CountIsValuesOfTheTypeOneBehindTheOther) {
   auto job = make(raw_read("VW10", {ValueType::kInt16}, 3));
   ASSERT_TRUE(job);
   EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 6}}));
-  job->responded(items({0, 1, 0, 2, 0xFF, 0xFD}));
+  job->responded(items({0, 1, 0, 2, 0xFF, 0xFD}), {});
   EXPECT_EQ(result(*job).values,
             (std::vector<Value>{std::int64_t{1}, std::int64_t{2}, std::int64_t{-3}}));
   job = make(raw_read("VB10", {ValueType::kUint8}, 3));
@@ -377,7 +377,7 @@ TEST_F(RawCommandTest, BitsFollowEachOther) {
   auto job = make(raw_read("V10.6", {ValueType::kBool}, 4));
   ASSERT_TRUE(job) << job.error().reason;
   EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 2}}));
-  job->responded(items({0x80, 0x01}));  // V10.7 and V11.0
+  job->responded(items({0x80, 0x01}), {});  // V10.7 and V11.0
   EXPECT_EQ(result(*job).values, (std::vector<Value>{false, true, true, false}));
 }
 
@@ -387,7 +387,7 @@ TEST_F(RawCommandTest, AValueStaysWithinItsBank) {
   ASSERT_TRUE(job) << job.error().reason;
   const auto next_range = [&] { return std::get<ReadRequest>(*job->next()).ranges; };
   EXPECT_EQ(next_range(), (std::vector<Range>{{4, 49998, 2}}));
-  job->responded(items({0, 0, 0, 1}));
+  job->responded(items({0, 0, 0, 1}), {});
   EXPECT_EQ(next_range(), (std::vector<Range>{{4, 50000, 2}})) << "values go on in the next file";
   const std::string fault = "'file:4:9999' reaches beyond its bank of the area";
   EXPECT_EQ(why_not(raw_read("file:4:9999", {ValueType::kUint32}, 1)), fault);
@@ -410,8 +410,8 @@ TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   Bytes frame;
   (void)protocol_->begin(request, {})->start(frame);
   EXPECT_EQ(to_hex(ByteView(frame).first(8)), to_hex(*from_hex("01 16 00 05 00 FF 1C 00")));
-  job->responded({{}});
-  job->responded(items({0x1C, 0x99}));  // the other byte is not part of the command
+  job->responded({{}}, {});
+  job->responded(items({0x1C, 0x99}), {});  // the other byte is not part of the command
   EXPECT_EQ(result(*job).state, CommandState::kVerified);
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
 }
@@ -439,12 +439,12 @@ TEST_F(RawCommandTest, BitsOfAMaskAreOneRequestAndReadBackAlone) {
   Bytes frame;
   (void)protocol_->begin(write, {})->start(frame);
   EXPECT_EQ(to_hex(ByteView(frame).first(8)), "01 16 00 05 FF F0 00 25");
-  job->responded({{}});
+  job->responded({{}}, {});
   EXPECT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
   auto other = *job;
-  job->responded(items({0x12, 0x35}));
+  job->responded(items({0x12, 0x35}), {});
   EXPECT_EQ(result(*job).state, CommandState::kVerified) << "the other bits are those of before";
-  other.responded(items({0x00, 0x24}));
+  other.responded(items({0x00, 0x24}), {});
   EXPECT_EQ(result(other).cause, Cause::kNotVerified);
 }
 
@@ -478,7 +478,7 @@ TEST_F(RawCommandTest, ADateIsATextOfItsAddress) {
             "type string(29) at 'DB1.DT4', which is a date; allowed: string(23)");
   job = make(raw_read("DB1.DTL4", text, 1));
   ASSERT_TRUE(job) << job.error().reason;
-  job->responded(items({0x07, 0xEA, 13, 1, 1, 0, 0, 0, 0, 0, 0, 0}));
+  job->responded(items({0x07, 0xEA, 13, 1, 1, 0, 0, 0, 0, 0, 0, 0}), {});
   EXPECT_EQ(result(*job).state, CommandState::kFailed) << "month 13";
   EXPECT_EQ(result(*job).cause, Cause::kRange);
 }
@@ -506,7 +506,7 @@ TEST_F(CommandJobTest, AddressesAreAcquiredAsOftenAsAsked) {
   std::size_t reads = 0;
   while (const auto request = job->next()) {
     const Range range = std::get<ReadRequest>(*request).ranges.front();
-    job->responded(items(Bytes(2 * range.count, 0)));
+    job->responded(items(Bytes(2 * range.count, 0)), {});
     ++reads;
   }
   EXPECT_EQ(reads, 3u);

@@ -43,7 +43,7 @@ class CommandJob {
   // Sends the commands of a refused request one by one, to find the refused ones.
   void go_alone() { alone_ = true; }
   // A write whose effect was in doubt is not repeated after its expiry.
-  void responded(const Reply& reply, Instant now = {});
+  void responded(const Reply& reply, Instant now);
   // Whether the device did not carry out the request that failed so. A momentary code may leave it
   // open whether a write took effect (may_have_written() in device_code.hpp).
   [[nodiscard]] bool refuses(Cause cause, std::uint16_t device_code) const;

@@ -201,7 +201,7 @@ bool CommandQueue::complete_from(const DeviceResponse& response, CommandJob& job
                                      response.acquired >= now - job.command().max_age);
   if (!fresh) return false;
   const unsigned bits = setup_.area(job.device(), range->area).item_bits;
-  job.responded({RangeReply{Cause::kNone, 0, response.items_of(*range, bits)}});
+  job.responded({RangeReply{Cause::kNone, 0, response.items_of(*range, bits)}}, now);
   sink.push(Complete{job.result(received, now)});
   return true;
 }
