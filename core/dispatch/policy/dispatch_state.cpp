@@ -22,7 +22,6 @@ DispatchState::DispatchState(WireModel model, std::span<const PlannedPoint> plan
       queues(plan.groups.size()),
       selector(wire.rules.shape, wire.weights) {
   points.reserve(planned.size());
-  points.reserve(planned.size());
   for (const PlannedPoint& point : planned) points.push_back(PointState{point});
 }
 
