@@ -101,6 +101,7 @@ void Bridge::save(Duration limit) {
 Bridge::Started Bridge::start_all(const BridgeSpec& wanted, Modules modules,
                                   const std::function<bool()>& give_up) {
   FIELDCAST_CHECK(!link_);
+  removed_ = false;
   spec_ = wanted;
   (void)alarms_.configure(spec_.buses, read_clocks().utc);  // DDS restarts without known alarms
   try {
@@ -212,6 +213,8 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wan
   // An earlier reload failed, and the previous configuration could not be restored.
   if (!link_) return done(start_all(wanted, Modules::kKeep, never));
   ReloadPlan plan = plan_reload(spec_, wanted);
+  if (removed_ && plan.whole_bridge.empty())
+    plan = ReloadPlan{.whole_bridge = {"the process was suspended"}};
   const bool renewed = plan.whole_bridge.empty() && link_->has_new_identity();
   const bool only_renewed = renewed && plan.nothing();
   if (renewed) plan = ReloadPlan{.whole_bridge = {"a renewed certificate"}};
@@ -258,7 +261,9 @@ Bridge::Started Bridge::start_anew(const BridgeSpec& wanted, const ReloadPlan& p
                   fmt::join(plan.whole_bridge, ", "), counted(before.buses.size(), "bus", "buses"),
                   before.dds.domain, before.store ? ", the store" : "",
                   before.program == ProgramSpec{} ? "" : ", the programming server"));
-  stop_all(Modules::kKeep);
+  // Another bridge of the group may serve the buses of a bridge that was removed.
+  stop_all(Modules::kKeep,
+           removed_ && membership_ ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
   Started started = start_all(wanted, Modules::kKeep, never);
   if (started) {
     log_info(wanted.name, "reloaded: all buses were restarted: " + buses_text(wanted));

@@ -65,6 +65,15 @@ class Bridge {
     std::vector<std::string> waits_for;
   };
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
+  // The other members have removed this bridge; the next reload joins the domain again.
+  void was_removed() {
+    const std::lock_guard lock(changing_);
+    removed_ = true;
+  }
+  [[nodiscard]] BridgeSpec running() const {
+    const std::lock_guard lock(changing_);
+    return spec_;
+  }
 
   void set_trace(bool on);
 
@@ -126,6 +135,7 @@ class Bridge {
   std::atomic<bool> leaving_ = false;           // stop() has begun
   std::atomic<bool> readers_came_ = false;      // see Membership
   const OnConfiguration on_configuration_;
+  bool removed_ = false;    // see was_removed()
   std::mutex store_mutex_;  // guards the pointer `store_` from save()
   BridgeSpec spec_;
   bool trace_ = false;

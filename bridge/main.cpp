@@ -166,10 +166,12 @@ class Reloader {
     open_log(loaded->log.level);
     report_overloads(*loaded, log_warning);
     report_fences(*loaded, log_info, log_warning);
-    wanted_ = *std::move(loaded);
-    begun_ = steady_now();
-    say_at_ = begun_;
-    go_on();
+    begin_with(*std::move(loaded));
+  }
+  // Joins the domain again with the running configuration, or with that of the reload that waits.
+  void join_again() {
+    bridge_.was_removed();
+    begin_with(waits() ? *wanted_ : bridge_.running());
   }
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
   [[nodiscard]] std::string status() const {
@@ -204,6 +206,12 @@ class Reloader {
   }
 
  private:
+  void begin_with(BridgeSpec wanted) {
+    wanted_ = std::move(wanted);
+    begun_ = steady_now();
+    say_at_ = begun_;
+    go_on();
+  }
   void refuse(const std::string& why) {
     wanted_.reset();
     refused_ = true;
@@ -271,7 +279,9 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
     const Duration sleep = service.sleep(reloader.waits() ? Reloader::kTryAgain : kHousekeeping);
-    switch (const int signal = signals.wait(sleep)) {
+    const int signal = signals.wait(sleep);
+    if (identity.was_removed(signals.suspended())) reloader.join_again();
+    switch (signal) {
       case 0:
         log_summaries(steady_now());
         identity.look(read_clocks().utc);

@@ -1,10 +1,18 @@
 #include "bridge/base/clock.hpp"
 
+#include <ctime>
+
 namespace fieldcast {
 
 Instant steady_now() {
   return Instant{
       std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+Instant boot_now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return Instant{std::chrono::seconds{now.tv_sec} + std::chrono::nanoseconds{now.tv_nsec}};
 }
 
 UtcMapping read_clocks() {

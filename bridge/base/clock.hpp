@@ -7,6 +7,9 @@ namespace fieldcast {
 
 [[nodiscard]] Instant steady_now();
 
+// Goes on while the machine sleeps; comparable only with itself.
+[[nodiscard]] Instant boot_now();
+
 // Reads both clocks. A step of the wall clock takes effect at the next reading. Any thread.
 [[nodiscard]] UtcMapping read_clocks();
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/security/authority.hpp"
 
@@ -51,7 +53,17 @@ std::shared_ptr<void> Signals::if_stuck(std::function<void()> last_words) {
 
 int Signals::wait(Duration limit) {
   std::unique_lock lock(mutex_);
-  if (!changed_.wait_for(lock, limit, [this] { return !taken_.empty(); })) return 0;
+  const Instant end = steady_now() + limit;
+  suspended_ = {};
+  for (;;) {
+    const Instant begun = boot_now();
+    const bool taken = changed_.wait_for(lock, std::min(kTurn, end - steady_now()),
+                                         [this] { return !taken_.empty(); });
+    const Duration lasted = boot_now() - begun;
+    if (lasted > 2 * kTurn) suspended_ = lasted;
+    if (taken) break;
+    if (suspended_ > Duration{} || steady_now() >= end) return 0;
+  }
   const int signal = taken_.front();
   taken_.pop_front();
   return signal;
@@ -83,6 +95,10 @@ void IdentityWatch::joined(const DdsSpec& spec, UtcTime now) {
   folder_ = spec.security;
   not_after_ = folder_ ? security::end_of_member(*folder_) : std::nullopt;
   last_ = now;
+}
+
+bool IdentityWatch::was_removed(Duration suspended) const {
+  return folder_ && suspended >= kParticipantLease;
 }
 
 void IdentityWatch::look(UtcTime now) {

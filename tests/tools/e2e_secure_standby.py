@@ -18,6 +18,7 @@ from e2e_standby import BIN_DIR, BRIDGE, SECONDS, Watch, serve_device
 from plant import claim_domain, run_cli, wait_until
 from steady import OnASteadyMachine
 
+PAUSE = 14  # seconds; a silent participant is removed after 10
 CONFIG = BRIDGE % ("domain: {domain}, interfaces: [127.0.0.1], security: {folder}", "127.0.0.1")
 
 
@@ -104,6 +105,17 @@ class SecureStandby(OnASteadyMachine, unittest.TestCase):
         self.says_more(self.other, "has taken over in group g", self.bridges[self.master].kill)
         self.watch.goes_on()
         print(f"kill -9 with DDS Security: longest gap of a channel of 50 ms: {self.watch.gap() * 1000:.0f} ms")
+        self.assertEqual(self.watch.faults, [])
+
+    def test_a_suspended_master_comes_back_as_a_standby(self):
+        master = self.bridges[self.master]
+        stood_by = self.log(self.master).count("stands by in group g")
+        self.says_more(self.other, "has taken over in group g", lambda: master.send_signal(signal.SIGSTOP))
+        time.sleep(PAUSE)
+        master.send_signal(signal.SIGCONT)
+        self.says(self.master, "stands by in group g", stood_by + 1)
+        self.assertEqual(self.roles(), [self.other, self.master])
+        self.watch.goes_on()
         self.assertEqual(self.watch.faults, [])
 
     def test_certificates_are_renewed_without_a_gap(self):

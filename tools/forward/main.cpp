@@ -79,6 +79,7 @@ ExitCode serve(fieldcast::Signals& signals, const ForwardSpec& spec) {
   fieldcast::Instant kept{};
   for (;;) {
     const int signal = signals.wait(service.sleep(kHousekeeping));
+    const bool removed = identity.was_removed(signals.suspended());
     const fieldcast::Instant now = fieldcast::steady_now();
     if (service.watched()) service.look(forwarder.turns(), now);
     if (now - kept >= kHousekeeping) {
@@ -88,15 +89,18 @@ ExitCode serve(fieldcast::Signals& signals, const ForwardSpec& spec) {
       service.status(to_text(forwarder.status()));
       identity.look(fieldcast::read_clocks().utc);
     }
-    if (signal != SIGTERM && signal != SIGINT) {
+    if (removed) {
+      fieldcast::log_error("forward", fieldcast::kEndsRemoved);
+    } else if (signal != SIGTERM && signal != SIGINT) {
       if (signal != 0) fieldcast::log_info("forward", to_text(forwarder.status()));
       continue;
+    } else {
+      fieldcast::log_info("forward", fmt::format("stopping ({})", ::sigabbrev_np(signal)));
     }
-    fieldcast::log_info("forward", fmt::format("stopping ({})", ::sigabbrev_np(signal)));
     service.stopping();
     forwarder.stop();
     fieldcast::log_info("forward", "stopped: " + to_text(forwarder.status()));
-    return ExitCode::kOk;
+    return removed ? ExitCode::kInternal : ExitCode::kOk;
   }
 }
 

@@ -134,6 +134,10 @@ class SiteIdentities {
   void look() {
     for (fieldcast::IdentityWatch& each : each_) each.look(fieldcast::read_clocks().utc);
   }
+  [[nodiscard]] bool was_removed(fieldcast::Duration suspended) const {
+    return std::ranges::any_of(
+        each_, [&](const fieldcast::IdentityWatch& each) { return each.was_removed(suspended); });
+  }
 
  private:
   std::vector<fieldcast::IdentityWatch> each_;
@@ -174,20 +178,27 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   for (;;) {
     if (service.watched()) service.look(station.turns(), fieldcast::steady_now());
     const int signal = signals.wait(service.sleep(kHousekeeping));
-    if (signal == 0) {
+    const bool removed = identities.was_removed(signals.suspended());
+    if (removed) {
+      fieldcast::log_error("web", fieldcast::kEndsRemoved);
+    } else if (signal == 0) {
       fieldcast::log_summaries(fieldcast::steady_now());
       identities.look();
+      continue;
     } else if (signal == SIGHUP) {
       service.reloading(fieldcast::steady_now());
       on_hangup(station);
       service.ready(status);
-    } else if (signal != SIGUSR1) {
+      continue;
+    } else if (signal == SIGUSR1) {
+      continue;
+    } else {
       fieldcast::log_info("web", fmt::format("stopping ({})", ::sigabbrev_np(signal)));
-      service.stopping();
-      station.stop();
-      fieldcast::log_info("web", "stopped");
-      return ExitCode::kOk;
     }
+    service.stopping();
+    station.stop();
+    fieldcast::log_info("web", "stopped");
+    return removed ? ExitCode::kInternal : ExitCode::kOk;
   }
 }
 

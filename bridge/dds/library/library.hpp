@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/base/time.hpp"
+
 namespace fieldcast {
 
 // May be called from any thread, any number of times.
@@ -21,6 +23,9 @@ void set_library_lines(LibraryLines lines);
 // Our messages about DDS Security use the same function, with this kind.
 inline constexpr std::string_view kSecurityLine = "security";
 void say_security(bool error, std::string_view text);
+
+// A silent participant is removed by the others after this time.
+inline constexpr Duration kParticipantLease = std::chrono::seconds{10};
 
 // DDS cannot be started, or an entity cannot be created. The only exception of the DDS folders.
 class DdsError : public std::runtime_error {

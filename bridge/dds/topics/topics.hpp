@@ -50,8 +50,6 @@ inline constexpr std::int32_t kStandbyNotesKept = 4096;
 
 // Lease of writers that show that their process is alive.
 inline constexpr Duration kLease = std::chrono::seconds{6};
-// A silent participant is removed after this time.
-inline constexpr Duration kParticipantLease = std::chrono::seconds{10};
 // Lease among bridges that stand by for each other.
 inline constexpr Duration kStandbyLease = std::chrono::milliseconds{300};
 

@@ -2,9 +2,9 @@
 
 #include <pthread.h>
 
-#include <ctime>
 #include <utility>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/security/file_access.hpp"
@@ -20,13 +20,6 @@ std::string identity_in(const std::string& folder) {
   try {
     return security::read_file(folder + '/' + std::string(security::kIdentity));
   } catch (const security::SecurityError&) { return {}; }
-}
-
-// Goes on while the machine sleeps.
-Instant now_since_boot() {
-  timespec now{};
-  ::clock_gettime(CLOCK_BOOTTIME, &now);
-  return Instant{std::chrono::seconds{now.tv_sec} + std::chrono::nanoseconds{now.tv_nsec}};
 }
 
 UtcTime utc_now() {
@@ -57,9 +50,9 @@ MemberWatch::~MemberWatch() {
 void MemberWatch::run() {
   pthread_setname_np(pthread_self(), "members");
   std::unique_lock lock(mutex_);
-  Instant before = now_since_boot();
+  Instant before = boot_now();
   do {
-    const Instant now = now_since_boot();
+    const Instant now = boot_now();
     look_at_pause(now - std::exchange(before, now));
     read_list();
     look_at_identity();
@@ -67,13 +60,14 @@ void MemberWatch::run() {
   } while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
 }
 
-// The others removed this program, but it did not remove them, and Fast DDS 2.9 begins no second
-// handshake with a member that it knows.
+// See IdentityWatch::was_removed().
 void MemberWatch::look_at_pause(Duration pause) {
   if (pause < kParticipantLease) return;
-  say_security(true, "this program was suspended for " +
-                         to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
-                         ": other members may not hear it until it is started again");
+  say_security(true,
+               "this program was suspended for " +
+                   to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
+                   ": other members do not hear it until it joins the domain again; a service does "
+                   "that by itself, start other programs again");
 }
 
 bool MemberWatch::has_new_identity() const {
