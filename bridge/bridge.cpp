@@ -108,11 +108,10 @@ Bridge::Started Bridge::start_all(const BridgeSpec& wanted, Modules modules,
     join();
     serve_metrics(spec_);
     buses_->want(spec_.buses);
-    if (membership_) {
-      for (const BusSpec& bus : spec_.buses) {
-        if (give_up()) return {};
-        buses_->prepare(bus);
-      }
+    // While the other bridges announce themselves.
+    for (const BusSpec& bus : spec_.buses) {
+      if (give_up()) return {};
+      membership_ ? buses_->prepare(bus) : buses_->prepare_engine(bus);
     }
     guard_->settle(give_up);
     if (const auto absent = servers_remark(spec_.dds.discovery_servers, link_->missing_servers()))

@@ -132,7 +132,7 @@ BusSet::Bus BusSet::make(const BusSpec& bus) {
 }
 
 void BusSet::prepare(const BusSpec& bus) {
-  prepared_.emplace(bus.name, make(bus));
+  prepare_engine(bus);
   link_.prepare_bus(bus);
 }
 
@@ -142,6 +142,7 @@ bool BusSet::start(const BusSpec& bus, const FollowedBus* followed, std::uint64_
                                     "{}, where names of buses are unique. This bridge takes it "
                                     "over when that one has left; else rename one of the two",
                                     uses_.guard.rival(bus.name), domain_));
+    prepared_.erase(bus.name);  // its configuration may change until a takeover
     link_.ignore_requests(bus.name);
     link_.listen_for_commands();
     return false;

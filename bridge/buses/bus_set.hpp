@@ -56,6 +56,8 @@ class BusSet {
 
   // Does every slow step of a later start, while another bridge serves the bus.
   void prepare(const BusSpec& bus);
+  // Does those without DDS. start() must follow.
+  void prepare_engine(const BusSpec& bus) { prepared_.emplace(bus.name, make(bus)); }
   // Starts the bus. Logs the rival and returns false if another bridge serves it. `followed`: the
   // state of a master that has left, or null. `margin`: added to its sample numbers if its last
   // samples may be missing. Throws DdsError; nothing of the bus is left then.

@@ -76,6 +76,7 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
     const std::lock_guard lock(mutex_);
     claims_.set_id(id);
     claims_.want(buses, read_clocks().utc);
+    if (wanted_at_ == kLongAgo) wanted_at_ = steady_now();
     if (settled_) (void)claims_.decide(steady_now());
   }
   announce();
@@ -83,7 +84,7 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
 
 void BusGuard::settle(const std::function<bool()>& give_up) {
   std::unique_lock lock(mutex_);
-  const Instant began = steady_now();
+  const Instant began = own_.group.empty() ? wanted_at_ : steady_now();
   Settling settling(!own_.group.empty(), began);
   bool told = false;
   while (!give_up()) {

@@ -113,8 +113,8 @@ class BusGuard {
   // Sets the wanted buses. `id` is this bridge's identity in DDS. settle() decides which buses it
   // serves; after settle(), the guard decides by itself.
   void want(const std::string& id, const std::vector<std::string>& buses);
-  // Waits until the other bridges had time to announce themselves (settling.hpp), or until
-  // `give_up` returns true, then decides. Call once.
+  // Waits until the other bridges had time since want() to announce themselves (Settling), in a
+  // group since now, or until `give_up` returns true, then decides. Call once, after want().
   void settle(const std::function<bool()>& give_up);
   [[nodiscard]] bool serves(const std::string& bus) const;
   // The bridge that serves a bus in place of this one, human-readable: "bridge 'b' on host h".
@@ -144,6 +144,7 @@ class BusGuard {
   std::set<std::string> silent_;  // found, but nothing received yet
   std::set<std::string> contested_;
   std::set<std::string> uncontested_;  // since the last changed()
+  Instant wanted_at_ = kLongAgo;       // the first want()
   bool settled_ = false, dirty_ = false, changed_ = false, ending_ = false;
   std::thread thread_;
 };
