@@ -33,7 +33,7 @@ tools=(
 # Packages with files for one architecture, and packages for all.
 libraries=(
   "$(named dds)" libfastcdr-dev
-  libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
+  libboost-dev libfmt-dev libspdlog-dev libyaml-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   libtomlplusplus-dev libzip-dev libxlsxwriter-dev libmuparser-dev
   libmosquitto-dev libnats-dev librdkafka-dev libcurl4-openssl-dev libsnappy-dev libprotobuf-dev libzstd-dev
   libncurses-dev

@@ -1,20 +1,17 @@
-// The only user of yaml-cpp. Its events show duplicate keys, and aliases before they expand. Its
-// exceptions do not leave this file.
+// The only user of libyaml. Its events show duplicate keys, and aliases before they expand.
 #include <fmt/format.h>
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/exceptions.h>
-#include <yaml-cpp/mark.h>
-#include <yaml-cpp/parser.h>
+#include <yaml.h>
 
-#include <optional>
-#include <sstream>
+#include <algorithm>
+#include <new>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "config/document/document.hpp"
 #include "config/document/limits.hpp"
 #include "config/yaml/yaml_error.hpp"
-#include "config/yaml/yaml_scan.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -25,68 +22,76 @@ void add(FaultList& faults, const YamlError& error) {
   faults.add(error.position, error.what, error.allowed, error.suggestion);
 }
 
-class Builder final : public YAML::EventHandler {
+std::string_view text_of(const yaml_char_t* text) {
+  return text == nullptr ? std::string_view{} : reinterpret_cast<const char*>(text);
+}
+
+// The library counts columns in characters, a Position in bytes. Marks ascend, so that each line is
+// walked once.
+class Marks {
  public:
-  Builder(Document& document, FaultList& faults) : document_(document), faults_(faults) {}
+  explicit Marks(const Source& source)
+      : source_(source),
+        ascii_(std::ranges::all_of(source.text, [](char c) { return (c & 0x80) == 0; })) {}
 
-  void OnDocumentStart(const YAML::Mark& mark) override {
-    if (++documents_ == 1) return;
-    add(faults_, explain_second_document(document_.source, position(mark)));
-    throw Abandoned{};
+  [[nodiscard]] Position position(const yaml_mark_t& mark) {
+    const auto line = static_cast<std::uint32_t>(mark.line);
+    if (ascii_) return {&source_, line, static_cast<std::uint32_t>(mark.column)};
+    if (line != line_ || mark.column < characters_) {
+      line_ = line;
+      characters_ = bytes_ = 0;
+    }
+    const std::string_view text = source_.line(line);
+    for (; characters_ < mark.column && bytes_ < text.size(); ++characters_) {
+      do ++bytes_;
+      while (bytes_ < text.size() && (static_cast<unsigned char>(text[bytes_]) & 0xC0) == 0x80);
+    }
+    return {&source_, line, static_cast<std::uint32_t>(bytes_)};
   }
-  void OnDocumentEnd() override {}
-
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    Node& node = make(Kind::kNull, mark);
-    // An absent value has no position.
-    if (!open_.empty() && open_.back().key != nullptr) node.position = open_.back().key->position;
-    finish(node, anchor, 1);
-  }
-
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) abandon(position(mark), "an alias stands inside its own anchor");
-    count(found->second.weight, position(mark));
-    attach(*found->second.node, found->second.weight);
-  }
-
-  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                const std::string& value) override {
-    check_tag(mark, tag);
-    Node& node = make(Kind::kScalar, mark);
-    node.quoted = tag == "!";
-    if (node.quoted) last_quote_ = node.position;
-    node.text = value;
-    finish(node, anchor, 1);
+  [[nodiscard]] Position position(std::size_t offset) const {
+    const std::string_view before = std::string_view(source_.text).substr(0, offset);
+    const auto begin = before.rfind('\n') + 1;  // 0 if there is none
+    return {&source_, static_cast<std::uint32_t>(std::ranges::count(before, '\n')),
+            static_cast<std::uint32_t>(before.size() - begin)};
   }
 
-  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
-    check_tag(mark, tag);
-    open(make(Kind::kList, mark), anchor);
-  }
-  void OnSequenceEnd() override { close(); }
+ private:
+  const Source& source_;
+  const bool ascii_;
+  std::uint32_t line_ = 0;
+  std::size_t characters_ = 0, bytes_ = 0;  // of the line
+};
 
-  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value) override {
-    check_tag(mark, tag);
-    open(make(Kind::kMap, mark), anchor);
-  }
-  void OnMapEnd() override { close(); }
+class Builder {
+ public:
+  Builder(Document& document, Marks& marks, FaultList& faults)
+      : document_(document), marks_(marks), faults_(faults) {}
 
-  // The parser accepts the end of the text as a closing quote. Only the last quote can be open.
-  void check_last_quote() {
-    if (!last_quote_) return;
-    const auto quote = quote_at(document_.source, *last_quote_);
-    if (!quote || quote->closed) return;
-    add(faults_, explain_yaml_error(document_.source, quote->end, "illegal EOF in scalar"));
-    throw Abandoned{};
+  void take(const yaml_event_t& event) {
+    const Position at = marks_.position(event.start_mark);
+    switch (event.type) {
+      case YAML_DOCUMENT_START_EVENT:
+        if (++documents_ == 1) return;
+        add(faults_, explain_second_document(document_.source, at));
+        throw Abandoned{};
+      case YAML_ALIAS_EVENT: return take_alias(text_of(event.data.alias.anchor), at);
+      case YAML_SCALAR_EVENT: return take_scalar(event.data.scalar, at);
+      case YAML_SEQUENCE_START_EVENT:
+        check_tag(text_of(event.data.sequence_start.tag), at);
+        return open(make(Kind::kList, at), text_of(event.data.sequence_start.anchor));
+      case YAML_MAPPING_START_EVENT:
+        check_tag(text_of(event.data.mapping_start.tag), at);
+        return open(make(Kind::kMap, at), text_of(event.data.mapping_start.anchor));
+      case YAML_SEQUENCE_END_EVENT:
+      case YAML_MAPPING_END_EVENT: return close();
+      default: return;
+    }
   }
 
  private:
   struct Open {
     Node* node;
-    YAML::anchor_t anchor;
+    std::string anchor;                         // empty: none
     std::size_t weight = 1;                     // nodes inside, with aliases expanded
     const Node* key = nullptr;                  // of a map: a key without its value so far
     std::unordered_set<std::string_view> keys;  // of a map
@@ -96,19 +101,45 @@ class Builder final : public YAML::EventHandler {
     std::size_t weight;
   };
 
-  [[nodiscard]] Position position(const YAML::Mark& mark) const {
-    return {&document_.source, static_cast<std::uint32_t>(mark.line < 0 ? 0 : mark.line),
-            static_cast<std::uint32_t>(mark.column < 0 ? 0 : mark.column)};
-  }
-
   [[noreturn]] void abandon(const Position& at, std::string what, std::string allowed = {}) {
     faults_.add(at, std::move(what), std::move(allowed));
     throw Abandoned{};
   }
 
-  void check_tag(const YAML::Mark& mark, const std::string& tag) {
-    if (!tag.empty() && tag != "?" && tag != "!")
-      faults_.add(position(mark), fmt::format("tag '{}'", tag), "no tags");
+  void take_alias(std::string_view name, const Position& at) {
+    const auto found = anchors_.find(std::string(name));
+    if (found != anchors_.end()) {
+      count(found->second.weight, at);
+      return attach(*found->second.node, found->second.weight);
+    }
+    if (std::ranges::any_of(open_, [&](const Open& open) { return open.anchor == name; }))
+      abandon(at, "an alias stands inside its own anchor");
+    abandon(at, "no value above has the name of this alias",
+            "&NAME at a value above, or the text in quotes");
+  }
+
+  void take_scalar(const auto& scalar, const Position& at) {
+    const std::string_view tag = text_of(scalar.tag);
+    check_tag(tag, at);
+    const std::string_view text{reinterpret_cast<const char*>(scalar.value), scalar.length};
+    const bool quoted = scalar.style != YAML_PLAIN_SCALAR_STYLE || tag == "!";
+    Node& node = make(!quoted && tag.empty() && is_null(text) ? Kind::kNull : Kind::kScalar, at);
+    if (node.kind == Kind::kScalar) {
+      node.quoted = quoted;
+      node.text = text;
+    } else if (!open_.empty() && open_.back().key != nullptr) {
+      node.position = open_.back().key->position;  // an absent value has no position
+    }
+    finish(node, text_of(scalar.anchor), 1);
+  }
+
+  // YAML 1.2, 10.3.2.
+  static bool is_null(std::string_view text) {
+    return text.empty() || text == "~" || text == "null" || text == "Null" || text == "NULL";
+  }
+
+  void check_tag(std::string_view tag, const Position& at) {
+    if (!tag.empty() && tag != "!") faults_.add(at, fmt::format("tag '{}'", tag), "no tags");
   }
 
   void count(std::size_t nodes, const Position& at) {
@@ -118,21 +149,21 @@ class Builder final : public YAML::EventHandler {
               fmt::format("{}, with what aliases repeat", kMaxNodes));
   }
 
-  Node& make(Kind kind, const YAML::Mark& mark) {
-    count(1, position(mark));
+  Node& make(Kind kind, const Position& at) {
+    count(1, at);
     Node& node = document_.nodes.emplace_back();
     node.kind = kind;
-    node.position = position(mark);
+    node.position = at;
     return node;
   }
 
-  void open(Node& node, YAML::anchor_t anchor) {
+  void open(Node& node, std::string_view anchor) {
     if (open_.size() == kMaxNesting)
       abandon(node.position, "too deep nesting", fmt::format("{} levels", kMaxNesting));
     if (++collections_ > kMaxCollections)
       abandon(node.position, "the file holds too many maps and lists",
               fmt::format("{}; long channel lists belong in CSV files", kMaxCollections));
-    open_.push_back(Open{&node, anchor, 1, nullptr, {}});
+    open_.push_back(Open{&node, std::string(anchor), 1, nullptr, {}});
   }
 
   void close() {
@@ -141,8 +172,8 @@ class Builder final : public YAML::EventHandler {
     finish(*done.node, done.anchor, done.weight);
   }
 
-  void finish(const Node& node, YAML::anchor_t anchor, std::size_t weight) {
-    if (anchor != 0) anchors_[anchor] = {&node, weight};
+  void finish(const Node& node, std::string_view anchor, std::size_t weight) {
+    if (!anchor.empty()) anchors_[std::string(anchor)] = {&node, weight};
     attach(node, weight);
   }
 
@@ -176,12 +207,48 @@ class Builder final : public YAML::EventHandler {
   }
 
   Document& document_;
+  Marks& marks_;
   FaultList& faults_;
   std::vector<Open> open_;
-  std::unordered_map<YAML::anchor_t, Anchored> anchors_;
-  std::optional<Position> last_quote_;
+  std::unordered_map<std::string, Anchored> anchors_;
   std::size_t nodes_ = 0, collections_ = 0;
   unsigned documents_ = 0;
+};
+
+class Parser {
+ public:
+  explicit Parser(std::string_view text) {
+    if (yaml_parser_initialize(&parser_) == 0) throw std::bad_alloc();
+    yaml_parser_set_encoding(&parser_, YAML_UTF8_ENCODING);
+    yaml_parser_set_input_string(&parser_, reinterpret_cast<const yaml_char_t*>(text.data()),
+                                 text.size());
+  }
+  ~Parser() {
+    yaml_event_delete(&event_);
+    yaml_parser_delete(&parser_);
+  }
+  Parser(const Parser&) = delete;
+  Parser& operator=(const Parser&) = delete;
+
+  // Valid until the next call. Null after an error.
+  [[nodiscard]] const yaml_event_t* next() {
+    yaml_event_delete(&event_);
+    return yaml_parser_parse(&parser_, &event_) == 0 ? nullptr : &event_;
+  }
+  [[nodiscard]] YamlProblem problem(Marks& marks) const {
+    if (parser_.error == YAML_MEMORY_ERROR) throw std::bad_alloc();
+    if (parser_.error == YAML_READER_ERROR) {  // has no mark
+      const Position at = marks.position(parser_.problem_offset);
+      return {at, parser_.problem, at, ""};
+    }
+    return {marks.position(parser_.problem_mark), parser_.problem,
+            marks.position(parser_.context_mark),
+            parser_.context == nullptr ? "" : parser_.context};
+  }
+
+ private:
+  yaml_parser_t parser_{};
+  yaml_event_t event_{};
 };
 
 }  // namespace
@@ -189,23 +256,18 @@ class Builder final : public YAML::EventHandler {
 std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
   auto document = std::make_unique<Document>();
   document->source = std::move(source);
-  if (!check_text(document->source, faults) || !check_tokens(document->source, faults))
-    return document;
+  if (!check_text(document->source, faults)) return document;
+  Marks marks(document->source);
+  Parser parser(document->source.text);
   try {
-    std::istringstream stream(document->source.text);
-    YAML::Parser parser(stream);
-    Builder builder(*document, faults);
-    while (parser.HandleNextDocument(builder)) {}
-    builder.check_last_quote();
-  } catch (const YAML::Exception& fault) {
+    Builder builder(*document, marks, faults);
+    const yaml_event_t* event = parser.next();
+    for (; event != nullptr && event->type != YAML_STREAM_END_EVENT; event = parser.next())
+      builder.take(*event);
+    if (event != nullptr) return document;
     document->root = nullptr;
     document->nodes.clear();  // the explanation needs memory
-    Position stopped{&document->source, 0, 0};
-    if (!fault.mark.is_null()) {
-      stopped.line = static_cast<std::uint32_t>(fault.mark.line);
-      stopped.column = static_cast<std::uint32_t>(fault.mark.column);
-    }
-    add(faults, explain_yaml_error(document->source, stopped, fault.msg));
+    add(faults, explain_yaml_error(document->source, parser.problem(marks)));
   } catch (const Abandoned&) { document->root = nullptr; }
   return document;
 }

@@ -71,7 +71,7 @@ Line line_of(std::string_view text) {
 struct Case {
   const Source& source;
   Position stopped;
-  std::string_view message;
+  YamlProblem problem;
   YamlScan scan;
   std::vector<Line> lines;  // up to where the parser stopped
 
@@ -89,11 +89,18 @@ struct Case {
   [[nodiscard]] Position position(const Line& line, std::size_t column) const {
     return {&source, number_of(line), static_cast<std::uint32_t>(column)};
   }
-  [[nodiscard]] bool says(std::string_view words) const { return message.find(words) != kNone; }
+  [[nodiscard]] bool says(std::string_view words) const {
+    return problem.message.find(words) != kNone;
+  }
+  [[nodiscard]] bool reads(std::string_view words) const {
+    return problem.reading.find(words) != kNone;
+  }
   // The block structure is broken: a line or a text where no element may follow.
   [[nodiscard]] bool misplaced() const {
-    return says("end of map not found") || says("end of sequence not found");
+    return says("did not find expected key") || says("did not find expected '-' indicator");
   }
+  [[nodiscard]] bool in_brackets() const { return reads("a flow"); }
+  [[nodiscard]] bool misplaced_colon() const { return says("mapping values are not allowed"); }
   [[nodiscard]] bool at_line_start() const {
     return !line().blank() && stopped.column == line().indent;
   }
@@ -130,12 +137,13 @@ std::string_view value_from(const Case& c, std::size_t at) {
 }
 
 Found sign_that_begins_no_value(const Case& c) {
-  const bool alias = c.says("alias not found after") || c.says("anchor not found after");
-  const bool dash = c.says("illegal block entry");
-  const auto at = std::size_t{c.stopped.column} - (alias && c.stopped.column > 0 ? 1 : 0);
+  const bool alias = c.reads("scanning an alias") || c.reads("scanning an anchor");
+  const std::size_t at = alias ? c.problem.begin.column : c.stopped.column;
   if (at >= c.line().text.size()) return {};
   const bool comma = c.misplaced() && c.line().text[at] == ',';
-  if (!alias && !dash && !comma && !c.says("unknown token")) return {};
+  const bool dash = c.says("block sequence entries are not allowed") ||
+                    (c.says("expected node content") && c.line().text[at] == '-');
+  if (!alias && !dash && !comma && !c.says("cannot start any token")) return {};
   const std::string sign(1, c.line().text[at]);
   return YamlError{
       c.position(c.line(), at),
@@ -159,7 +167,7 @@ Found bracket_closed_by_another(const Case& c) {
 
 Found bracket_never_closed(const Case& c) {
   const bool at_end = c.stopped.line + 1 >= c.lines.size() && c.line().blank();
-  if (!c.says("flow") && !c.says("illegal") && !at_end) return {};
+  if (!c.in_brackets() && !c.misplaced_colon() && !at_end) return {};
   const auto never = [&](const Bracket& bracket) {
     return std::ranges::any_of(c.scan.never_closed, [&](const Bracket& other) {
       return !is_before(other.position, bracket.position) &&
@@ -178,7 +186,7 @@ Found bracket_never_closed(const Case& c) {
 Found text_behind_quote(const Case& c) {
   const auto& quote = c.scan.quote;
   if (!quote || !quote->closed || quote->end.line != c.stopped.line ||
-      quote->end.column >= c.stopped.column || !(c.misplaced() || c.says("flow")))
+      quote->end.column >= c.stopped.column || !(c.misplaced() || c.in_brackets()))
     return {};
   const auto text = c.line().text;
   const auto between = quote->end.column + std::size_t{1};
@@ -191,21 +199,29 @@ Found text_behind_quote(const Case& c) {
                               : "quotes around the whole text; \\\" is a quote inside of \"...\""};
 }
 
+// A line among keys that is not "key: value".
+Found no_key(const Case& c, const Line& line) {
+  if (line.colon != kNone || line.blank()) return {};
+  const auto colon = line.text.find(':', line.content);
+  if (colon == kNone)
+    return YamlError{c.position(line, line.content), fmt::format("'{}' has no ':'", line.key()),
+                     "key: value"};
+  return YamlError{c.position(line, colon), "no space behind the ':'", "key: value",
+                   fmt::format("{}: {}", line.text.substr(line.content, colon - line.content),
+                               trimmed(line.text.substr(colon + 1)))};
+}
+
+Found line_without_key(const Case& c) {
+  if (!c.says("could not find expected ':'") || !c.scan.open.empty()) return {};
+  return no_key(c, c.lines[c.problem.begin.line]);
+}
+
 // Either the value above is not "key: value", or the indentation of this line is wrong.
 Found key_inside_the_value_above(const Case& c) {
-  if (!c.says("illegal map value") || c.line().colon != c.stopped.column) return {};
+  if (!c.misplaced_colon() || c.line().colon != c.stopped.column) return {};
   const Line* above = c.above();
   if (above == nullptr || !c.scan.open.empty()) return {};
-  const auto colon = above->text.find(':', above->content);
-  if (above->colon == kNone && colon != kNone) {
-    return YamlError{
-        c.position(*above, colon), "no space behind the ':'", "key: value",
-        fmt::format("{}: {}", above->text.substr(above->content, colon - above->content),
-                    trimmed(above->text.substr(colon + 1)))};
-  }
-  if (above->colon == kNone)
-    return YamlError{c.position(*above, above->content),
-                     fmt::format("'{}' has no ':'", above->key()), "key: value"};
+  if (auto found = no_key(c, *above)) return found;
   if (!above->has_value() || c.line().content <= above->content) return {};
   // "name: a" and deeper "at: b": the first one may lack its "- ".
   std::string allowed = spaces_text(above->content) + " before it";
@@ -225,8 +241,7 @@ Found key_inside_the_value_above(const Case& c) {
 Found colon_inside_a_value(const Case& c) {
   const auto text = c.line().text;
   const std::size_t at = c.stopped.column;
-  if (at >= text.size() || text[at] != ':' || (!c.says("flow") && !c.says("illegal map value")))
-    return {};
+  if (at >= text.size() || text[at] != ':' || (!c.in_brackets() && !c.misplaced_colon())) return {};
   std::size_t begin = c.line().content;
   if (!c.scan.open.empty()) {
     const auto sign = text.substr(0, at).find_last_of(",[{");
@@ -301,11 +316,11 @@ Found wrong_indentation(const Case& c) {
 }
 
 Found wrong_escape(const Case& c) {
-  if (!c.says("escape") && !c.says("scanning hex number") && !c.says("invalid unicode")) return {};
-  // The parser stops shortly after the backslash, possibly in the next line.
+  if (!c.says("escape") && !c.says("expected hex")) return {};
+  // The parser stops at the backslash or shortly behind it, possibly in the next line.
   for (auto n = c.stopped.line + 1; n > 0; --n) {
     const Line& line = c.lines[n - 1];
-    const auto end = n - 1 == c.stopped.line ? std::size_t{c.stopped.column} : line.text.size();
+    const auto end = n - 1 == c.stopped.line ? c.stopped.column + std::size_t{1} : kNone;
     const auto at = line.text.substr(0, std::min(end, line.text.size())).rfind('\\');
     if (at == kNone) continue;
     const auto sign = line.text.substr(std::min(at + 1, line.text.size()), 1);
@@ -313,7 +328,7 @@ Found wrong_escape(const Case& c) {
                                     : sign == "u" ? "four"
                                     : sign == "U" ? "eight"
                                                   : "";
-    if (!digits.empty() && c.says("scanning hex number"))
+    if (!digits.empty() && c.says("expected hex"))
       return YamlError{c.position(line, at),
                        fmt::format("'\\{}' without {} hexadecimal digits behind it", sign, digits),
                        sign == "x"   ? "\\x02"
@@ -330,28 +345,29 @@ struct Words {
   std::string_view parsers, ours, allowed;
 };
 constexpr std::array kWords{
-    Words{"anchor is not defined", "no value above has the name of this alias",
-          "&NAME at a value above, or the text in quotes"},
-    Words{"unexpected character in block scalar",
-          "text behind '|' or '>', which begin a text of several lines", "the text in quotes"},
-    Words{"illegal map key", "no key can stand here", "each key on a line of its own"},
-    Words{"illegal map value", "a ':' where no key stands before it", "key: value"},
-    Words{"multiple anchors", "a value with two names", "one &NAME"},
-    Words{"illegal EOF", "the text ends inside of a value"},
+    Words{"comment or line break", "text behind '|' or '>', which begin a text of several lines",
+          "the text in quotes"},
+    Words{"mapping keys are not allowed", "no key can stand here", "each key on a line of its own"},
+    Words{"mapping values are not allowed", "a ':' where no key stands before it", "key: value"},
+    Words{"could not find expected ':'", "a key without a ':' on its line", "key: value"},
+    Words{"expected node content", "no value can stand here", "one value"},
+    Words{"end of stream", "the text ends inside of a value", ""},
     Words{"directive", "a line that begins with '%'", "none; texts that begin so in quotes"},
-    Words{"end of map flow not found", "neither ',' nor '}' behind a value", "{ key: value, .. }"},
-    Words{"end of sequence flow not found", "neither ',' nor ']' behind a value", "[ value, .. ]"},
-    Words{"end of map not found", "no key can stand here",
-          "key: value, indented like the keys above"},
-    Words{"end of sequence not found", "no item of a list can stand here", "'- ' below the others"},
+    Words{"document", "a line that begins with '---' or '...'", "one document"},
+    Words{"control characters", "a control character", "text in UTF-8"},
+    Words{"tag", "a '!', which begins a tag", "no tags; texts that begin so in quotes"},
+    Words{"',' or '}'", "neither ',' nor '}' behind a value", "{ key: value, .. }"},
+    Words{"',' or ']'", "neither ',' nor ']' behind a value", "[ value, .. ]"},
+    Words{"expected key", "no key can stand here", "key: value, indented like the keys above"},
+    Words{"'-' indicator", "no item of a list can stand here", "'- ' below the others"},
 };
 
 YamlError in_words(const Case& c) {
   for (const Words& words : kWords) {
-    if (c.says(words.parsers))
-      return {c.stopped, std::string(words.ours), std::string(words.allowed)};
+    if (c.says(words.parsers) || c.reads(words.parsers))
+      return {c.stopped, std::string(words.ours), std::string(words.allowed), ""};
   }
-  return {c.stopped, fmt::format("this is no YAML ({})", c.message)};
+  return {c.stopped, fmt::format("this is no YAML ({})", c.problem.message), "", ""};
 }
 
 std::vector<Line> lines_to(std::string_view text, std::uint32_t last) {
@@ -372,6 +388,7 @@ constexpr Found (*kMatchers[])(const Case&) = {open_quote,
                                                bracket_closed_by_another,
                                                bracket_never_closed,
                                                text_behind_quote,
+                                               line_without_key,
                                                key_inside_the_value_above,
                                                colon_inside_a_value,
                                                wrong_indentation,
@@ -379,10 +396,11 @@ constexpr Found (*kMatchers[])(const Case&) = {open_quote,
 
 }  // namespace
 
-YamlError explain_yaml_error(const Source& source, const Position& stopped,
-                             std::string_view message) {
-  const Case c{source, stopped, message, scan_yaml(source, stopped),
-               lines_to(source.text, stopped.line)};
+YamlError explain_yaml_error(const Source& source, const YamlProblem& problem) {
+  if (problem.message.find("<document start>") != kNone)
+    return explain_second_document(source, problem.stopped);
+  const Case c{source, problem.stopped, problem, scan_yaml(source, problem.stopped),
+               lines_to(source.text, problem.stopped.line)};
   for (const auto matcher : kMatchers) {
     if (auto found = matcher(c)) return *std::move(found);
   }

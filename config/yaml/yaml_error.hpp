@@ -16,9 +16,14 @@ struct YamlError {
   std::string suggestion;  // "\"%\""; may be empty
 };
 
-// `stopped` and `message`: from the parser.
-[[nodiscard]] YamlError explain_yaml_error(const Source& source, const Position& stopped,
-                                           std::string_view message);
+// As the parser reports it.
+struct YamlProblem {
+  Position stopped;
+  std::string_view message;  // "did not find expected key"
+  Position begin;            // of what the parser was reading
+  std::string_view reading;  // "while parsing a block mapping"; may be empty
+};
+[[nodiscard]] YamlError explain_yaml_error(const Source& source, const YamlProblem& problem);
 
 // A second document began without "---", because the first one ended early.
 [[nodiscard]] YamlError explain_second_document(const Source& source, const Position& position);

@@ -36,10 +36,4 @@ struct YamlScan {
 
 [[nodiscard]] YamlScan scan_yaml(const Source& source, const Position& stopped);
 
-[[nodiscard]] std::optional<Quote> quote_at(const Source& source, const Position& begin);
-
-// Estimates the memory of the parser for a YAML text. Returns false with a fault where it exceeds a
-// limit. Approximate: brackets and quotes within plain texts count.
-[[nodiscard]] bool check_tokens(const Source& source, FaultList& faults);
-
 }  // namespace fieldcast::config

@@ -19,7 +19,7 @@ MARKS = (FACE, USES, LIBRARIES)
 HEADERS = {
     "boost/": "Boost", "CLI/": "CLI11", "fastcdr/": "Fast-DDS", "fastdds/": "Fast-DDS", "fastrtps/": "Fast-DDS", "fmt/": "fmt", "idl/topics": "idl",
     "curl/": "libcurl", "libpq-fe.h": "libpq", "librdkafka/": "librdkafka", "mosquitto.h": "libmosquitto", "mqtt_protocol.h": "libmosquitto", "nats/": "nats.c", "schema/": "forward-schema", "snappy.h": "snappy", "sodium.h": "libsodium", "zip.h": "libzip", "curses.h": "ncurses", "term.h": "ncurses", "nlohmann/": "nlohmann-json",
-    "openssl/": "OpenSSL", "spdlog/": "spdlog", "sqlite3.h": "SQLite", "tinyxml2.h": "tinyxml2", "muParser.h": "muParser", "toml++/": "toml++", "yaml-cpp/": "yaml-cpp",
+    "openssl/": "OpenSSL", "spdlog/": "spdlog", "sqlite3.h": "SQLite", "tinyxml2.h": "tinyxml2", "muParser.h": "muParser", "toml++/": "toml++", "yaml.h": "libyaml",
     "xlsxwriter.h": "libxlsxwriter", "zlib.h": "zlib", "zstd.h": "zstd",
 }
 # Folders whose files do not belong to the product's libraries.
