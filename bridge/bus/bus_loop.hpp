@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -253,6 +254,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     actions_.clear();
     engine_.set_trace(record_.wanted());
     engine_.on_event(event, now, actions_);
+    // The wire does not wait until samples are published.
+    std::ranges::stable_partition(actions_, [](const Action& action) {
+      return std::holds_alternative<Send>(action) || std::holds_alternative<Traced>(action);
+    });
     for (Action& action : actions_) {
       std::visit([&](auto& what) { execute(what, now); }, action);
     }
