@@ -347,6 +347,7 @@ void OutcomeRouter::take_unsolicited(const std::vector<UnsolicitedListener::Fram
                                      Instant now, ActionSink& sink) {
   for (const UnsolicitedListener::Frame& frame : frames) {
     devices_.responded(frame.device, sink);
+    arbiter_.suspend(frame.device, now);  // as in take_late()
     if (sink.tracing())
       sink.trace(frame.device, "unsolicited: " + setup_.text(frame.device, frame.range));
     std::vector<Sample> samples;

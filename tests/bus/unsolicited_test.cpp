@@ -132,6 +132,24 @@ TEST(Unsolicited, ADeviceIsPolledAndCommandedAsWell) {
   EXPECT_EQ(bus.channels()[1].quality, Quality::kGood);
 }
 
+// Regression: a frame showed that the device was back, but did not resume its reads.
+TEST(Unsolicited, ADeviceThatSendsAgainIsAlsoReadAgain) {
+  sim::BusFaults faults;
+  faults.devices["a"].silence = {{5s, 25s}};
+  VirtualBus bus(line("      - name: a\n        address: 1\n        channels:\n"
+                      "          - { name: w, at: weight, type: float64, refresh: 500ms }\n"
+                      "          - { name: z, at: zero-band, type: uint16, refresh: 1s }\n"),
+                 faults, 1);
+  bus.run_until(bus.now() + 24500ms);
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOffline);
+  bus.run_until(bus.now() + 1500ms);
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOnline);
+  bus.watch_from_now();
+  bus.run_until(bus.now() + 20s);
+  EXPECT_GE(bus.channels()[1].good, 15u);
+  EXPECT_EQ(bus.channels()[1].quality, Quality::kGood);
+}
+
 TEST(Unsolicited, NoWrongValueOnANoisyLine) {
   sim::BusFaults faults;
   faults.noise = 0.002;
