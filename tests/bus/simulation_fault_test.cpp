@@ -85,6 +85,26 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
+// Nothing is read from such a device, so no probe shows that it is back.
+TEST(Simulation, ADeviceThatIsOnlyWrittenIsNotRefusedForEver) {
+  BusSpec spec = plant(2, 1, "refresh: 500ms, timeout: 100ms, retries: 0");
+  spec.devices[0].channels[0].access = Access::kWriteOnly;
+  sim::BusFaults faults;
+  faults.devices["unit-1"].silence.push_back({0s, 10s});
+  VirtualBus bus(spec, faults, 1);
+  const auto write = [&](Duration at) {
+    bus.run_until(Instant{at});
+    bus.command(write_of(spec, 0, 7));
+    bus.run_until(Instant{at + 1s});
+    return bus.results().rbegin()->second.front();
+  };
+  for (const Duration at : {Duration{1s}, Duration{3s}, Duration{5s}})
+    EXPECT_EQ(write(at).state, CommandState::kFailed);
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOffline);
+  EXPECT_EQ(write(11s).state, CommandState::kDone);
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOnline);
+}
+
 TEST(Simulation, ASlowDeviceComesBackOnAWireThatIsBusy) {
   BusSpec spec = plant(2, 1, "refresh: 60ms, timeout: 200ms");
   spec.devices[1].channels[0].refresh = 5s;

@@ -23,6 +23,14 @@ bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protoc
   return true;
 }
 
+// Whether a probe or an unsolicited frame shows that the device is back. A device that is only
+// written has neither: its commands are the only requests that it can respond to.
+bool shows_its_return(const DeviceSpec& device) {
+  return std::ranges::any_of(device.channels, [](const ChannelSpec& channel) {
+    return is_requestable(channel) || channel.unsolicited;
+  });
+}
+
 std::size_t bytes_of(const Command& command) {
   std::size_t bytes = sizeof(CommandJob) + command.requester.size();
   for (const Value& value : command.values) {
@@ -141,7 +149,7 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
     case BusState::kOpening:
     case BusState::kRunning: break;
   }
-  if (condition.device_offline)
+  if (condition.device_offline && shows_its_return(setup_.device(job.device())))
     return CommandFault{Cause::kOffline, "device '" + job.command().device + "' does not respond"};
   const auto channel = job.written_channel();
   if (!channel) return std::nullopt;
