@@ -156,8 +156,7 @@ void CommandJob::resolve_doubt(const Bytes& items, Instant now) {
   if (rewrites_ < max_rewrites_ && !is_late) {  // `items` is the value before it, so it is not kept
     ++rewrites_;
     in_doubt_ = false;
-    phase_ = Phase::kWrite;
-    return;
+    return merge_into(items);  // another bit of the word may have changed since the first read
   }
   read_back_ = items;
   finish(CommandState::kFailed, Cause::kNoResponse, 0,
