@@ -27,6 +27,24 @@ bool moved(const Value& a, const Value& b, double deadband) {
   return x && y ? std::abs(*x - *y) > deadband : a != b;
 }
 
+// Whether one of the values is beyond a limit, or inside it again by the hysteresis, and the other
+// is not: an alarm depends on the newest value (LimitWatch).
+bool crosses_limit(const Value& a, const Value& b, const Limits& limits) {
+  const auto x = as_number(a);
+  const auto y = as_number(b);
+  if (!x || !y) return false;
+  const double inside = limits.hysteresis;
+  const auto below = [&](double edge) { return (*x < edge) != (*y < edge); };
+  const auto above = [&](double edge) { return (*x > edge) != (*y > edge); };
+  const auto low = [&](const std::optional<double>& limit) {
+    return limit && (below(*limit) || below(*limit + inside));
+  };
+  const auto high = [&](const std::optional<double>& limit) {
+    return limit && (above(*limit) || above(*limit - inside));
+  };
+  return low(limits.low_low) || low(limits.low) || high(limits.high) || high(limits.high_high);
+}
+
 // The inputs of a calculated channel report first that they are late.
 constexpr Duration kBehindInputs = std::chrono::milliseconds{100};
 
@@ -120,6 +138,7 @@ void ChannelTable::queue(ChannelIndex channel) {
 bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acquired) const {
   if (!entry.spec->deadband || entry.last.quality != Quality::kGood) return false;
   if (moved(value, entry.last.value, *entry.spec->deadband)) return false;
+  if (crosses_limit(value, entry.last.value, entry.spec->limits)) return false;
   const Duration heartbeat = entry.spec->heartbeat.value_or(entry.spec->refresh);
   // The next acquisition may be a whole refresh later, so the heartbeat must allow for it.
   return acquired + entry.spec->refresh <= entry.published + heartbeat;

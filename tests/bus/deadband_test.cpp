@@ -1,0 +1,84 @@
+// What a deadband must not hold back.
+#include <gtest/gtest.h>
+
+#include "core/alarm/alarm_monitor.hpp"
+#include "core/bus/command/channel_table.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+BusSpec one_channel(Encoding encoding, double deadband) {
+  ChannelSpec channel;
+  channel.name = "a";
+  channel.encoding = encoding;
+  channel.refresh = 1s;
+  channel.deadband = deadband;
+  channel.heartbeat = 24h;
+  BusSpec bus;
+  bus.devices.emplace_back();
+  bus.devices.back().channels.push_back(channel);
+  return bus;
+}
+
+// Reads a value each second, with the alarms of the published ones.
+class Readings {
+ public:
+  explicit Readings(BusSpec bus) : bus_(std::move(bus)) {}
+
+  // True if the value is published.
+  bool read(std::uint16_t value) {
+    return read({static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)});
+  }
+  bool read(const Bytes& items) {
+    now_ += 1s;
+    std::vector<Sample> samples;
+    table_.acquired(0, 16, items, now_, samples);
+    std::vector<AlarmChange> changes;
+    alarms_.on_samples(samples, now_, changes);
+    for (const AlarmChange& change : changes) alarm_ = change.state == AlarmState::kActive;
+    return !samples.empty();
+  }
+  [[nodiscard]] bool alarm() const { return alarm_; }
+
+ private:
+  BusSpec bus_;
+  ChannelTable table_{bus_};
+  AlarmMonitor alarms_{bus_};
+  Instant now_{};
+  bool alarm_ = false;
+};
+
+TEST(Deadband, AValueAcrossAHighLimitIsPublished) {
+  BusSpec bus = one_channel({ValueType::kUint16}, 5);
+  bus.devices[0].channels[0].limits = {.high = 80, .hysteresis = 2};
+  Readings level(bus);
+  EXPECT_TRUE(level.read(79));
+  EXPECT_FALSE(level.read(80));
+  EXPECT_TRUE(level.read(81));
+  EXPECT_TRUE(level.alarm());
+  EXPECT_FALSE(level.read(83));
+  EXPECT_TRUE(level.read(79));
+  EXPECT_TRUE(level.alarm()) << "not yet inside by the hysteresis";
+  EXPECT_TRUE(level.read(78));
+  EXPECT_FALSE(level.alarm());
+  EXPECT_FALSE(level.read(74));
+}
+
+TEST(Deadband, AValueAcrossALowLimitIsPublished) {
+  BusSpec bus = one_channel({ValueType::kInt16}, 5);
+  bus.devices[0].channels[0].limits = {.low_low = 10, .hysteresis = 2};
+  Readings level(bus);
+  EXPECT_TRUE(level.read(11));
+  EXPECT_FALSE(level.read(10));
+  EXPECT_TRUE(level.read(9));
+  EXPECT_TRUE(level.alarm());
+  EXPECT_FALSE(level.read(8));
+  EXPECT_TRUE(level.read(12));
+  EXPECT_FALSE(level.alarm());
+  EXPECT_FALSE(level.read(13));
+}
+
+}  // namespace
+}  // namespace fieldcast
