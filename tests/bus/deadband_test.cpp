@@ -80,5 +80,16 @@ TEST(Deadband, AValueAcrossALowLimitIsPublished) {
   EXPECT_FALSE(level.read(13));
 }
 
+// Regression: both values are equal as doubles.
+TEST(Deadband, ZeroPublishesEveryChangeOf64Bits) {
+  Readings unsigned_word(one_channel({ValueType::kUint64}, 0));
+  EXPECT_TRUE(unsigned_word.read(*from_hex("8000000000000000")));
+  EXPECT_FALSE(unsigned_word.read(*from_hex("8000000000000000")));
+  EXPECT_TRUE(unsigned_word.read(*from_hex("8000000000000001")));
+  Readings signed_word(one_channel({ValueType::kInt64}, 0));
+  EXPECT_TRUE(signed_word.read(*from_hex("C000000000000000")));
+  EXPECT_TRUE(signed_word.read(*from_hex("C000000000000001")));
+}
+
 }  // namespace
 }  // namespace fieldcast

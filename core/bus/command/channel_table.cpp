@@ -22,6 +22,7 @@ Value zero_of(const Encoding& encoding) {
 }
 
 bool moved(const Value& a, const Value& b, double deadband) {
+  if (deadband == 0) return a != b;  // also of integers that no double represents
   const auto x = as_number(a);
   const auto y = as_number(b);
   return x && y ? std::abs(*x - *y) > deadband : a != b;
