@@ -351,7 +351,7 @@ void OutcomeRouter::take_unsolicited(const std::vector<UnsolicitedListener::Fram
     if (sink.tracing())
       sink.trace(frame.device, "unsolicited: " + setup_.text(frame.device, frame.range));
     std::vector<Sample> samples;
-    channels_.unsolicited(frame.device, frame.range, frame.items, now, samples);
+    channels_.unsolicited(frame.device, frame.range, frame.items, frame.absent, now, samples);
     sink.publish(std::move(samples));
   }
 }

@@ -147,6 +147,7 @@ struct UnsolicitedFrame {
   bool boundary = false;         // a frame ends behind them
   std::optional<Range> range{};  // the items of a frame; empty if no frame was found
   Bytes items{};                 // the image of `range`
+  std::vector<Range> absent{};   // parts of `range` that have no value in this frame
 };
 
 enum class Wait : std::uint8_t {

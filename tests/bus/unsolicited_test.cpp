@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/bus/command/channel_table.hpp"
+#include "core/bus/wire/unsolicited_listener.hpp"
 #include "tests/bus/virtual_bus.hpp"
 #include "tests/support/declared_bus.hpp"
 
@@ -105,6 +107,51 @@ TEST(Unsolicited, AChannelIsNotReadOnRequest) {
   const CommandResult& result = bus.results().begin()->second.front();
   EXPECT_EQ(result.cause, Cause::kUnsupported);
   EXPECT_THAT(result.reason, testing::HasSubstr("the device sends it by itself"));
+}
+
+constexpr auto kSilentMeter = R"(
+summary: a meter
+addresses: { from: 1, to: 1 }
+areas: [{ name: telegram, record: true }]
+operations:
+  - name: telegram
+    read: telegram
+    unsolicited: 1s
+    answer:
+      - { name: begin, constant: "/" }
+      - { name: serial, is: value, key: "S(", text: 4 }
+      - { name: power, is: value, key: "P(", text: decimal(6) }
+      - { name: end, constant: "!\r\n" }
+)";
+
+// Regression: the text of a value that a frame does not have was GOOD and empty.
+TEST(Unsolicited, AValueThatAFrameDoesNotHaveIsNotAvailable) {
+  const BusSetup setup{test::bus_by(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0, baud: 9600 }\n"
+      "    protocol: meter\n    devices:\n      - name: m\n        address: 1\n"
+      "        channels:\n          - { name: s, at: serial, type: string(4), refresh: 3s }\n"
+      "          - { name: p, at: power, type: float64, refresh: 3s }\n",
+      "meter", kSilentMeter)};
+  ChannelTable table(setup.spec());
+  UnsolicitedListener listener(setup);
+  listener.opened();
+  const auto hear = [&](std::string_view text) {
+    std::vector<Sample> samples;
+    for (const auto& frame : listener.on_bytes(Bytes(text.begin(), text.end()), Instant{1s}))
+      table.unsolicited(frame.device, frame.range, frame.items, frame.absent, Instant{1s}, samples);
+    return samples;
+  };
+  EXPECT_TRUE(hear("/P(0001.0)!\r\n").empty()) << "its beginning may be missing";
+  const auto whole = hear("/P(0001.5)S(1234)!\r\n");
+  ASSERT_EQ(whole.size(), 2u);
+  EXPECT_EQ(whole[0].value, Value{std::string("1234")});
+  const auto without = hear("/P(0002.5)!\r\n");
+  ASSERT_EQ(without.size(), 2u);
+  EXPECT_EQ(without[0].quality, quality_of(Cause::kNotAvailable));
+  EXPECT_EQ(without[0].device_code, kNotAvailableCode);
+  EXPECT_EQ(without[0].value, Value{std::string("1234")}) << "the last good one";
+  EXPECT_EQ(without[1].quality, Quality::kGood);
+  EXPECT_EQ(without[1].value, Value{2.5});
 }
 
 // Requests, responses and unsolicited frames use one line; some of them collide.

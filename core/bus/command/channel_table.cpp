@@ -204,12 +204,20 @@ void ChannelTable::calculated(ChannelIndex channel, const Calculated& result, In
 }
 
 void ChannelTable::unsolicited(DeviceIndex device, const Range& range, ByteView items,
-                               Instant acquired, std::vector<Sample>& out) {
+                               std::span<const Range> absent, Instant acquired,
+                               std::vector<Sample>& out) {
   constexpr unsigned kItemBits = 16;  // of a record
   for (ChannelIndex channel = first_of(device); channel < end_of(device); ++channel) {
     const ChannelSpec& spec = *entries_[channel].spec;
     if (spec.calculation || spec.range.area != range.area || spec.range.end() > range.end())
       continue;
+    const bool has_none = std::ranges::any_of(absent, [&](const Range& part) {
+      return part.first < spec.range.end() && spec.range.first < part.end();
+    });
+    if (has_none) {
+      no_value(channel, Cause::kNotAvailable, acquired, out);
+      continue;
+    }
     this->acquired(channel, kItemBits,
                    items.subspan(image_bytes(kItemBits, spec.range.first),
                                  image_bytes(kItemBits, spec.range.count)),

@@ -54,8 +54,9 @@ class ChannelTable {
   // Appends a sample of the last value: the response has none of this channel, by `cause`.
   void no_value(ChannelIndex channel, Cause cause, Instant acquired, std::vector<Sample>& out);
   // As `acquired` for the channels of a frame that the device sent by itself; `range` is a record.
-  void unsolicited(DeviceIndex device, const Range& range, ByteView items, Instant acquired,
-                   std::vector<Sample>& out);
+  // `absent`: parts of it that the frame does not have.
+  void unsolicited(DeviceIndex device, const Range& range, ByteView items,
+                   std::span<const Range> absent, Instant acquired, std::vector<Sample>& out);
   // As `acquired` for a calculated channel; a result that is not good is as `refused`.
   void calculated(ChannelIndex channel, const Calculated& result, Instant now,
                   std::vector<Sample>& out);

@@ -49,7 +49,8 @@ std::vector<UnsolicitedListener::Frame> UnsolicitedListener::on_bytes(ByteView b
       sender.boundary = found.boundary;
       if (!found.range) break;
       sender.silent_since = now;
-      frames.push_back({sender.device, *found.range, std::move(found.items)});
+      frames.push_back(
+          {sender.device, *found.range, std::move(found.items), std::move(found.absent)});
     }
   }
   return frames;

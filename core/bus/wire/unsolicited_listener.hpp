@@ -18,7 +18,8 @@ class UnsolicitedListener {
   struct Frame {
     DeviceIndex device = 0;
     Range range;
-    Bytes items;  // the image of `range`
+    Bytes items;                // the image of `range`
+    std::vector<Range> absent;  // parts of `range` without a value
   };
 
   explicit UnsolicitedListener(const BusSetup& setup);

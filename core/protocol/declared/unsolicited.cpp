@@ -46,10 +46,12 @@ UnsolicitedFrame find_unsolicited(const Declaration& declaration, std::uint64_t 
         continue;
       }
       if (result.bad_check || (!result.checked && (!at_boundary || begun_at_boundary))) continue;
+      for (Range& items : result.absent) items.area = operation.area;
       return {.used = at + result.size,
               .boundary = true,
               .range = Range{operation.area, 0, area.items},
-              .items = std::move(result.items)};
+              .items = std::move(result.items),
+              .absent = std::move(result.absent)};
     }
   }
   // A later search needs the incomplete frame, and the end mark that may begin before it.
