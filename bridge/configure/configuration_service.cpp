@@ -3,12 +3,22 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <optional>
 #include <utility>
 
 #include "bridge/log/log.hpp"
 #include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
+
+namespace {
+
+configure::Outcome forbidden(const std::string& fault) {
+  return {403, Json{{"error", fault}, {"hint", ""}}.text()};
+}
+
+}  // namespace
 
 std::string refusal_of_requests(const BridgeSpec& spec, bool is_on_loopback) {
   if (!spec.configure.allow)
@@ -65,33 +75,50 @@ void ConfigurationService::put(Task task) {
 void ConfigurationService::run(const std::string& file,
                                const configure::ConfigurationAgent::Ports& ports) {
   pthread_setname_np(pthread_self(), "configure");
-  configure::ConfigurationAgent agent(file, ports);
-  std::string last_error;  // logged once, not in each look
+  std::optional<configure::ConfigurationAgent> agent;  // empty while it cannot read its files
+  std::string last_error;                              // logged once, not in each look
+  const auto look = [&] {
+    try {
+      if (!agent) agent.emplace(file, ports);
+      agent->look();
+      last_error.clear();
+    } catch (const std::exception& error) {
+      if (error.what() != last_error) log_error("configuration", error.what());
+      last_error = error.what();
+    }
+  };
+  look();
   std::unique_lock lock(mutex_);
   while (!ending_) {
-    if (tasks_.empty()) {
-      const auto ready = [this] { return ending_ || !tasks_.empty(); };
-      if (!agent.needs_look()) {
-        changed_.wait(lock, ready);
-      } else if (!changed_.wait_for(lock, kLook, ready)) {
-        lock.unlock();
-        try {
-          agent.look();
-          last_error.clear();
-        } catch (const std::exception& error) {
-          if (error.what() != last_error) log_error("configuration", error.what());
-          last_error = error.what();
-        }
-        lock.lock();
-      }
+    const auto ready = [this] { return ending_ || !tasks_.empty(); };
+    if (tasks_.empty() && agent && !agent->needs_look()) {
+      changed_.wait(lock, ready);
       continue;
     }
+    if (!changed_.wait_for(lock, kLook, ready)) {
+      lock.unlock();
+      look();
+      lock.lock();
+      continue;
+    }
+    if (ending_) return;
     auto task = std::move(tasks_.front());
     tasks_.pop_front();
     lock.unlock();
-    serve(agent, std::move(task));
+    if (!agent) look();
+    agent ? serve(*agent, std::move(task)) : refuse(std::move(task), last_error);
     lock.lock();
   }
+}
+
+void ConfigurationService::refuse(Task task, const std::string& error) {
+  auto* const request = std::get_if<Request>(&task);
+  if (request == nullptr) return;
+  if (!request->fault.empty()) return respond(request->message, forbidden(request->fault));
+  respond(request->message,
+          {500, Json{{"error", printable(error)},
+                     {"hint", "an administrator corrects the files of the bridge's machine"}}
+                    .text()});
 }
 
 void ConfigurationService::serve(configure::ConfigurationAgent& agent, Task task) {
@@ -105,8 +132,7 @@ void ConfigurationService::serve(configure::ConfigurationAgent& agent, Task task
 
 void ConfigurationService::serve(configure::ConfigurationAgent& agent, Request request) {
   ConfigurationMessage& message = request.message;
-  if (!request.fault.empty())
-    return respond(message, {403, Json{{"error", request.fault}, {"hint", ""}}.text()});
+  if (!request.fault.empty()) return respond(message, forbidden(request.fault));
   const std::string text = std::exchange(message.text, {});
   const auto later = [this, message](configure::Outcome outcome) {
     put(Response{message, std::move(outcome)});

@@ -52,6 +52,8 @@ class ConfigurationService {
   using Task = std::variant<Request, Reload, Response>;
   void put(Task task);
   void run(const std::string& file, const configure::ConfigurationAgent::Ports& ports);
+  // There is no agent, because of this error.
+  void refuse(Task task, const std::string& error);
   void serve(configure::ConfigurationAgent& agent, Task task);
   void serve(configure::ConfigurationAgent& agent, Request request);
   void respond(ConfigurationMessage& message, const configure::Outcome& outcome);

@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 using Tree = nlohmann::json;
 
 constexpr std::string_view kList = "versions.json", kWatch = "watch.json";
+// Of a file: a watch names each good channel, up to 100 000 with 200 bytes each.
+constexpr std::size_t kLongestFile = 32u << 20;
 
 bool exists(const std::string& path) {
   std::error_code failure;
@@ -30,7 +32,7 @@ bool exists(const std::string& path) {
 // Invalid or missing content is an empty value: versions must not prevent a change.
 Tree tree_of(const std::string& path) {
   if (!exists(path)) return {};
-  return Tree::parse(security::read_file(path), nullptr, false);
+  return Tree::parse(security::read_file(path, kLongestFile), nullptr, false);
 }
 
 template <class T>
@@ -71,7 +73,7 @@ std::string VersionFolder::path(std::string_view name) const {
   return folder_ + '/' + std::string(name);
 }
 
-std::string VersionFolder::present() const { return security::read_file(file_); }
+std::string VersionFolder::present() const { return security::read_file(file_, kLongestFile); }
 
 // A version is a file name, and may come from a client.
 std::optional<std::string> VersionFolder::text_of(const std::string& version) const {
@@ -79,7 +81,7 @@ std::optional<std::string> VersionFolder::text_of(const std::string& version) co
       version.find('/') != std::string::npos)
     return std::nullopt;
   const std::string name = path(version + ".yaml");
-  return exists(name) ? std::optional(security::read_file(name)) : std::nullopt;
+  return exists(name) ? std::optional(security::read_file(name, kLongestFile)) : std::nullopt;
 }
 
 void VersionFolder::make_folder() {

@@ -14,8 +14,6 @@ bool FileError::is_full() const { return code_ == ENOSPC || code_ == EDQUOT || c
 
 namespace {
 
-constexpr std::size_t kMaxFile = 1 << 20;
-
 [[noreturn]] void fail(const std::string& what, const std::string& path) {
   const int code = errno;
   throw FileError("cannot " + what + ' ' + path + ": " + std::strerror(code), code);
@@ -49,7 +47,7 @@ void fill(int file, const std::string& path, const std::string& text, mode_t mod
 
 namespace {
 
-std::string whole(int file, const std::string& path) {
+std::string whole(int file, const std::string& path, std::size_t most_bytes) {
   std::string text;
   char part[4096];
   for (;;) {
@@ -57,17 +55,17 @@ std::string whole(int file, const std::string& path) {
     if (got < 0) fail("read", path);
     if (got == 0) return text;
     text.append(part, static_cast<std::size_t>(got));
-    if (text.size() > kMaxFile) throw SecurityError("cannot read " + path + ": it is too long");
+    if (text.size() > most_bytes) throw SecurityError("cannot read " + path + ": it is too long");
   }
 }
 
 }  // namespace
 
-std::string read_file(const std::string& path) {
+std::string read_file(const std::string& path, std::size_t most_bytes) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) fail("read", path);
   const Descriptor owned(file);
-  return whole(file, path);
+  return whole(file, path, most_bytes);
 }
 
 std::string read_key(const std::string& path) {
@@ -78,7 +76,7 @@ std::string read_key(const std::string& path) {
   if (::fstat(file, &found) != 0) fail("read", path);
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0)
     throw SecurityError(path + ": others may read or change it; chmod 600 " + path);
-  return whole(file, path);
+  return whole(file, path, kMostFileBytes);
 }
 
 namespace {

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,7 +27,10 @@ class FileError : public SecurityError {
 inline constexpr mode_t kOwnerOnly = 0600;
 inline constexpr mode_t kForAll = 0644;
 
-[[nodiscard]] std::string read_file(const std::string& path);
+inline constexpr std::size_t kMostFileBytes = 1 << 20;  // of a key, a certificate, a list
+// Fails if the file is longer than `most_bytes`.
+[[nodiscard]] std::string read_file(const std::string& path,
+                                    std::size_t most_bytes = kMostFileBytes);
 // As read_file(), for a private key. Fails if other users may read or change it.
 [[nodiscard]] std::string read_key(const std::string& path);
 // Writes the complete file or nothing, also on a full disk. Fails if the file exists.

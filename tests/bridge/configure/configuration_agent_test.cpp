@@ -5,7 +5,9 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "bridge/configure/configuration_service.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr const char* kText = R"(bridge: b
@@ -187,6 +190,20 @@ TEST_F(ConfigurationAgentTest, ADraftCannotReadOtherFiles) {
   const auto [status, body] = run("check", {{"text", text}});
   EXPECT_EQ(status, 200u);
   EXPECT_THAT(body["faults"].dump(), HasSubstr("cannot be read"));
+}
+
+TEST_F(ConfigurationAgentTest, AConfigurationOfNearlyTwoMebibytesIsDeployedReadAndRolledBack) {
+  std::string large = kText;
+  while (large.size() < ConfigurationAgent::kMostText - 1000)
+    large += "# " + std::string(997, '-') + '\n';
+  ASSERT_EQ(deploy(large).first, 200u);
+  agent_->reloaded("");
+  const auto [status, body] = run("read");
+  EXPECT_EQ(status, 200u) << body;
+  EXPECT_EQ(body["text"], large);
+  EXPECT_EQ(recover_configuration(file_), "");
+  EXPECT_EQ(run("rollback", {{"version", version_of(kText)}, {"why", "a test"}}).first, 200u);
+  EXPECT_EQ(file(), kText);
 }
 
 TEST_F(ConfigurationAgentTest, ARestartWithinTheWatchContinuesIt) {
@@ -365,6 +382,33 @@ TEST_F(ConfigurationAgentTest, AScanRequestsTheFreeAddressesOfARunningBus) {
   for (const char* wrong : {"", "x", "-1", "70000", "1 "})
     EXPECT_EQ(scan("line", "modbus-tcp", wrong, "3").first, 400u) << wrong;
   EXPECT_EQ(scan("line", "modbus-rtu", "1", "3").first, 400u);
+}
+
+// A file of root in a folder of the bridge's user, or a disk with errors.
+TEST(ConfigurationService, GoesOnWithVersionsThatItCannotRead) {
+  const test::ScratchFolder scratch;
+  const std::string file = scratch.path("b.yaml"), list = file + ".versions/versions.json";
+  std::ofstream(file) << kText;
+  std::filesystem::create_directories(list);  // a folder cannot be read as a file
+  std::promise<std::string> replies[2];
+  std::size_t replied = 0;
+  ConfigurationService service(
+      file,
+      {.reload = [] {},
+       .qualities = [] { return std::nullopt; },
+       .audit = [](const AuditEntry&) {},
+       .clock = [] { return UtcMapping{}; },
+       .probe = [](const std::string&, const DeviceProbe&, const auto&) { return false; }},
+      [&](const ConfigurationMessage& reply) { replies[replied++].set_value(reply.text); });
+  service.refuse_for("");
+  const auto read = [&](std::size_t number) {
+    service.receive({"station", number, "b", R"({"operation": "read"})"}, "", "");
+    auto reply = replies[number].get_future();
+    return reply.wait_for(10s) == std::future_status::ready ? reply.get() : "no reply";
+  };
+  EXPECT_THAT(read(0), AllOf(HasSubstr("500"), HasSubstr("cannot read " + list)));
+  std::filesystem::remove(list);
+  EXPECT_THAT(read(1), HasSubstr("200"));
 }
 
 TEST(RefusalOfRequests, NeedsTheKeyAndASafeDomain) {

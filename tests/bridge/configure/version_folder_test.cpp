@@ -99,5 +99,15 @@ TEST_F(VersionFolderTest, KeepsTheWatch) {
   EXPECT_FALSE(folder.stored_watch());
 }
 
+TEST_F(VersionFolderTest, KeepsTheWatchOfManyChannels) {
+  Watch watch{.version = "2", .base = "1"};
+  const std::string name = "a-line-of-the-plant/a-device-of-the-line/channel-";
+  for (int i = 0; i < 40'000; ++i) watch.good.push_back(name + std::to_string(i));
+  VersionFolder(file_).store_watch(watch);
+  const auto stored = VersionFolder(file_).stored_watch();
+  ASSERT_TRUE(stored);
+  EXPECT_EQ(stored->good, watch.good);
+}
+
 }  // namespace
 }  // namespace fieldcast::configure
