@@ -95,19 +95,14 @@ class TcpStreamOpening final : public TcpOpening {
 class UdpOpening final : public PortOpening {
  public:
   UdpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
-      : PortOpening(io, listener), spec_(spec), resolver_(io) {}
+      : PortOpening(io, listener), spec_(spec), names_(io) {}
 
   void begin() override {
-    resolver_.async_resolve(
-        spec_.host, std::to_string(spec_.port),
-        [self = self_as<UdpOpening>()](boost::system::error_code fault,
-                                       const asio::ip::udp::resolver::results_type& found) {
-          if (self->over_) return;
-          if (fault)
-            return self->fail(fmt::format("host name '{}': {}", self->spec_.host, fault.message()),
-                              Cause::kPortUnreachable);
-          self->connect(found.begin()->endpoint());
-        });
+    names_.start(spec_.host, [self = self_as<UdpOpening>()](const NameLookup::Found& found) {
+      if (self->over_) return;
+      if (!found) return self->fail(found.error(), Cause::kPortUnreachable);
+      self->connect({found->front(), self->spec_.port});
+    });
   }
 
  private:
@@ -122,10 +117,10 @@ class UdpOpening final : public PortOpening {
     opened(std::move(stream));
   }
 
-  void cancel() override { resolver_.cancel(); }
+  void cancel() override { names_.cancel(); }
 
   TcpPortSpec spec_;
-  asio::ip::udp::resolver resolver_;
+  NameLookup names_;
 };
 
 }  // namespace

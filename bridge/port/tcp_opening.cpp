@@ -1,22 +1,113 @@
 #include "bridge/port/tcp_opening.hpp"
 
 #include <fmt/format.h>
+#include <netdb.h>
+#include <pthread.h>
 
+#include <atomic>
 #include <boost/asio/connect.hpp>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
+// The work guard is empty after cancel(): the thread does not use the io_context any more.
+struct NameLookup::Pending : std::enable_shared_from_this<Pending> {
+  using Guard = asio::executor_work_guard<asio::io_context::executor_type>;
+
+  Pending(asio::io_context& io, std::function<void(const Found&)> then)
+      : done(std::move(then)), guard(io.get_executor()) {}
+
+  void give(Found found) {
+    const std::lock_guard lock(mutex);
+    if (!guard) return;
+    asio::post(guard->get_executor(), [self = shared_from_this(), found = std::move(found)] {
+      if (const auto then = self->end()) then(found);
+    });
+  }
+  // Returns the callback the first time. The caller destroys it without the lock.
+  std::function<void(const Found&)> end() {
+    const std::lock_guard lock(mutex);
+    guard.reset();
+    return std::exchange(done, {});
+  }
+
+  std::mutex mutex;
+  std::function<void(const Found&)> done;
+  std::optional<Guard> guard;
+};
+
+namespace {
+
+tl::unexpected<std::string> fault_of(const std::string& host, const std::string& why) {
+  return tl::unexpected(fmt::format("host name '{}': {}", host, why));
+}
+
+NameLookup::Found addresses_of(const std::string& host) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_UNSPEC;
+  wanted.ai_socktype = SOCK_STREAM;  // one entry for each address
+  addrinfo* list = nullptr;
+  const int fault = ::getaddrinfo(host.c_str(), nullptr, &wanted, &list);
+  if (fault != 0)
+    return fault_of(host, fault == EAI_SYSTEM ? errno_text(errno) : ::gai_strerror(fault));
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(list, ::freeaddrinfo);
+  std::vector<asio::ip::address> found;
+  for (const addrinfo* one = list; one != nullptr; one = one->ai_next) {
+    tcp::endpoint endpoint;
+    if (one->ai_addrlen > endpoint.capacity()) continue;
+    std::memcpy(endpoint.data(), one->ai_addr, one->ai_addrlen);
+    found.push_back(endpoint.address());
+  }
+  if (found.empty()) return fault_of(host, "it has no address");
+  return found;
+}
+
+// Lookups whose thread has not ended. A port begins one each few seconds while it cannot open.
+std::atomic<unsigned> lookups{0};
+
+}  // namespace
+
+void NameLookup::start(const std::string& host, std::function<void(const Found&)> done) {
+  cancel();
+  pending_ = std::make_shared<Pending>(io_, std::move(done));
+  boost::system::error_code is_name;
+  const auto address = asio::ip::make_address(host, is_name);
+  if (!is_name) return pending_->give(std::vector{address});
+  if (++lookups > kMost) {
+    --lookups;
+    return pending_->give(fault_of(host, "too many lookups wait for name servers"));
+  }
+  try {
+    std::thread([host, pending = pending_] {
+      pthread_setname_np(pthread_self(), "names");
+      pending->give(addresses_of(host));
+      --lookups;
+    }).detach();
+  } catch (const std::system_error& error) {
+    --lookups;
+    pending_->give(fault_of(host, error.what()));
+  }
+}
+
+void NameLookup::cancel() {
+  if (const auto pending = std::exchange(pending_, nullptr)) (void)pending->end();
+}
+
 TcpOpening::TcpOpening(asio::io_context& io, PortListener& listener, Target target)
-    : PortOpening(io, listener),
-      target_(std::move(target)),
-      resolver_(io),
-      socket_(io),
-      limit_(io) {}
+    : PortOpening(io, listener), target_(std::move(target)), names_(io), socket_(io), limit_(io) {}
 
 void TcpOpening::begin() {
   limit_.expires_after(target_.timeout);
@@ -25,17 +116,15 @@ void TcpOpening::begin() {
       self->give_up((self->tls_ ? "no TLS handshake within " : "no connection within ") +
                     to_text(self->target_.timeout));
   });
-  resolver_.async_resolve(
-      target_.host, std::to_string(target_.port),
-      [self = self_as<TcpOpening>()](boost::system::error_code fault,
-                                     const tcp::resolver::results_type& found) {
-        if (self->over_) return;
-        if (!fault) return self->connect(found);
-        self->give_up(fmt::format("host name '{}': {}", self->target_.host, fault.message()));
-      });
+  names_.start(target_.host, [self = self_as<TcpOpening>()](const NameLookup::Found& found) {
+    if (self->over_) return;
+    found ? self->connect(*found) : self->give_up(found.error());
+  });
 }
 
-void TcpOpening::connect(const tcp::resolver::results_type& endpoints) {
+void TcpOpening::connect(const std::vector<asio::ip::address>& addresses) {
+  std::vector<tcp::endpoint> endpoints;
+  for (const asio::ip::address& address : addresses) endpoints.emplace_back(address, target_.port);
   asio::async_connect(
       socket_, endpoints,
       [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
@@ -96,7 +185,7 @@ std::string TcpOpening::with_fence(std::string reason) const {
 
 void TcpOpening::cancel() {
   limit_.cancel();
-  resolver_.cancel();
+  names_.cancel();
   boost::system::error_code ignored;
   socket_.close(ignored);
 }

@@ -1,12 +1,63 @@
+#include <dlfcn.h>
 #include <gmock/gmock.h>
+#include <netdb.h>
 #include <netinet/tcp.h>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
+#include <condition_variable>
+#include <future>
+#include <mutex>
+#include <string_view>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/port/stream_port.hpp"
 #include "tests/bridge/support/port_probe.hpp"
+
+namespace {
+
+constexpr const char* kSilentName = "plc-7.behind-silent-name-servers.invalid";
+
+// Name servers that do not respond: the C library waits for them.
+class SilentServers {
+ public:
+  void wait() {
+    std::unique_lock lock(mutex_);
+    is_asked_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return responds_; });
+  }
+  [[nodiscard]] bool is_asked() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds{10}, [this] { return is_asked_; });
+  }
+  void respond() {
+    const std::lock_guard lock(mutex_);
+    responds_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_asked_ = false, responds_ = false;
+};
+auto& silent_servers = *new SilentServers;  // its threads may outlive the test
+
+}  // namespace
+
+// Replaces the function of the C library for the ports of this program.
+extern "C" int getaddrinfo(const char* host, const char* service, const addrinfo* hints,
+                           addrinfo** list) {
+  if (host != nullptr && std::string_view(host) == kSilentName) {
+    silent_servers.wait();
+    return EAI_AGAIN;
+  }
+  static const auto library =
+      reinterpret_cast<decltype(&getaddrinfo)>(::dlsym(RTLD_NEXT, "getaddrinfo"));
+  return library(host, service, hints, list);
+}
 
 namespace fieldcast::test {
 namespace {
@@ -119,6 +170,24 @@ TEST_F(TcpPortTest, AnUnknownHostIsReported) {
   port.open(probe);
   ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
   EXPECT_EQ(probe.opened, 0);
+}
+
+TEST(TcpPort, NameServersThatDoNotRespondDoNotHoldUpTheEndOfTheThread) {
+  auto io = std::make_unique<IoThread>("line");
+  PortProbe probe;
+  std::unique_ptr<TcpPort> port;
+  TcpPortSpec target;
+  target.host = kSilentName;
+  target.port = 502;
+  io->run([&] {
+    port = std::make_unique<TcpPort>(io->context(), target);
+    port->open(probe);
+  });
+  ASSERT_TRUE(silent_servers.is_asked());
+  io->run([&] { port.reset(); });
+  const auto ending = std::async(std::launch::async, [&] { io.reset(); });
+  EXPECT_EQ(ending.wait_for(std::chrono::seconds{10}), std::future_status::ready);
+  silent_servers.respond();
 }
 
 TEST_F(TcpPortTest, NothingIsReportedAfterClose) {
