@@ -153,6 +153,10 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   receives_history_ = nullptr;
   if (history_) history_->close();
   step_ = "the bridge leaves the domain";
+  // Stations send commands as long as a bus is announced, and each gets kShutdown as long as the
+  // bridge listens.
+  if (leave == DdsLink::Leave::kDispose && guard_->withdraw())
+    link_->wait_for_announcement(kLinger);
   // 5. The last results reach their readers; then the bridge leaves, and no handler is called.
   link_->close(kLinger, leave);
   alarms_.publish_with({});

@@ -82,6 +82,15 @@ std::set<std::string> BusClaims::contested() const {
   return found;
 }
 
+bool BusClaims::are_wanted_elsewhere() const {
+  return std::ranges::any_of(others_, [this](const auto& entry) {
+    const Other& other = entry.second;
+    return other.alive && std::ranges::any_of(other.claims.buses, [this](const auto& claim) {
+             return own_.contains(claim.first);
+           });
+  });
+}
+
 std::optional<BusClaims::Namesake> BusClaims::namesake(const BridgeClaims& own) const {
   const auto order = [](const BridgeClaims& claims, const std::string& id) {
     const bool serves =

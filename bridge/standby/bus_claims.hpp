@@ -87,6 +87,8 @@ class BusClaims {
   bool decide(Instant now);
   [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
   [[nodiscard]] bool serves(const std::string& bus) const;
+  // Returns true if a live bridge, also of its group, wants a bus that this one wants.
+  [[nodiscard]] bool are_wanted_elsewhere() const;
   // The buses that this bridge serves and a different bridge claims to serve as well.
   [[nodiscard]] std::set<std::string> contested() const;
 

@@ -82,6 +82,16 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
   announce();
 }
 
+bool BusGuard::withdraw() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (claims_.are_wanted_elsewhere()) return false;
+    claims_.want({}, read_clocks().utc);
+  }
+  announce();
+  return true;
+}
+
 void BusGuard::settle(const std::function<bool()>& give_up) {
   std::unique_lock lock(mutex_);
   const Instant began = own_.group.empty() ? wanted_at_ : steady_now();

@@ -125,6 +125,10 @@ class BusGuard {
   // Another member with this bridge's name; only the one with priority (goes_first) may be master.
   [[nodiscard]] std::optional<BusClaims::Namesake> namesake() const;
 
+  // Announces that this bridge wants no bus any more. Without effect, and false, while another
+  // bridge wants one: it would take the bus over. Call it after end().
+  [[nodiscard]] bool withdraw();
+
   void watch();  // from now on, changed() is called
   void end();    // after it returns, changed() is not called
 

@@ -3,9 +3,15 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <functional>
 #include <future>
 #include <map>
+#include <mutex>
+#include <optional>
 
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/support/bridge_fixture.hpp"
 #include "tests/bridge/support/captured_log.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
@@ -186,6 +192,68 @@ TEST_F(BridgeTest, StoppingRespondsToWhatWaitsAndEndsInTime) {
   }
   const std::lock_guard lock(mutex);
   for (const std::uint64_t id : sent) EXPECT_EQ(results[id], 1) << "request " << id;
+}
+
+// Whether a bridge that no longer receives commands is still announced to a plant system, which
+// would send more.
+class PlantSystem : dds::DataWriterListener, dds::DataReaderListener {
+ public:
+  explicit PlantSystem(const DdsSpec& spec) : domain_(spec, "plant", nullptr) {
+    bridges_ = domain_.reader(kBridgeTopic, this, dds::StatusMask::data_available());
+    commands_ =
+        domain_.writer(kCommandTopic, "plant", this, dds::StatusMask::publication_matched());
+  }
+  ~PlantSystem() override {
+    domain_.remove(commands_);
+    domain_.remove(bridges_);
+  }
+  [[nodiscard]] bool finds_the_bridge() {
+    return reaches([this] { return has_reader_ && is_announced_; });
+  }
+  // Empty if the bridge still receives commands.
+  [[nodiscard]] std::optional<bool> is_announced_without_reader() {
+    if (!reaches([this] { return without_reader_.has_value(); })) return std::nullopt;
+    const std::lock_guard lock(mutex_);
+    return without_reader_;
+  }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    const std::lock_guard lock(mutex_);
+    idl::Bridge bridge;
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&bridge, &info) == ReturnCode_t::RETCODE_OK)
+      if (info.valid_data) is_announced_ = !station_bridge(bridge).buses.empty();
+    changed_.notify_all();
+  }
+  void on_publication_matched(dds::DataWriter*,
+                              const dds::PublicationMatchedStatus& status) override {
+    const std::lock_guard lock(mutex_);
+    has_reader_ = status.current_count > 0;
+    if (status.current_count_change < 0) without_reader_ = is_announced_;
+    changed_.notify_all();
+  }
+  bool reaches(const std::function<bool()>& state) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, seconds{15}, state);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool has_reader_ = false, is_announced_ = false;
+  std::optional<bool> without_reader_;
+  Domain domain_;
+  dds::DataReader* bridges_ = nullptr;
+  dds::DataWriter* commands_ = nullptr;
+};
+
+TEST_F(BridgeTest, AStoppingBridgeReceivesCommandsAsLongAsItIsAnnounced) {
+  PlantSystem plant(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(plant.finds_the_bridge());
+  bridge.stop();
+  EXPECT_EQ(plant.is_announced_without_reader(), false);
 }
 
 TEST_F(BridgeTest, DdsThatCannotBeJoinedIsAnErrorInWords) {

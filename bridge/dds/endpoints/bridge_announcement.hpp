@@ -24,6 +24,8 @@ class BridgeAnnouncement : private dds::DataReaderListener {
                      std::function<void(std::string text)> on_problem);
   [[nodiscard]] std::string id() const;       // the identity that other bridges see
   void announce(const BridgeClaims& claims);  // one call at a time
+  // Waits at most `limit` until bridges and stations have received the last announcement.
+  void wait_for_readers(Duration limit) { writer_->wait_for_acknowledgments(to_dds(limit)); }
   void close();  // withdraws the announcement; no handler is called after it returns
 
  private:

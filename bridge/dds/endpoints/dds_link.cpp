@@ -307,6 +307,8 @@ std::string DdsLink::id() const { return state_->presence->id(); }
 
 void DdsLink::announce(const BridgeClaims& claims) { state_->presence->announce(claims); }
 
+void DdsLink::wait_for_announcement(Duration limit) { state_->presence->wait_for_readers(limit); }
+
 void DdsLink::publish_again(std::string_view name) {
   const std::unique_lock lock(state_->mutex);  // set_refresh() writes the catalogue too
   LinkedBus* bus = state_->find(name);

@@ -113,6 +113,8 @@ class DdsLink {
   // Identity of this bridge, and its announcement. REQUIRES: `Handlers::bridges`. One thread.
   [[nodiscard]] std::string id() const;
   void announce(const BridgeClaims& claims);
+  // Waits at most `limit` until bridges and stations have received the last announcement.
+  void wait_for_announcement(Duration limit);
   // Writes again what another bridge that also served the bus has disposed. One thread at a time.
   void publish_again(std::string_view bus);
 

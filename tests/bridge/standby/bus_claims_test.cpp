@@ -55,6 +55,21 @@ TEST(BusClaims, ABridgeAloneServesWhatItWants) {
   EXPECT_THAT(domain.serving("three"), IsEmpty());
 }
 
+TEST(BusClaims, ABusIsWantedElsewhereAlsoByAMemberOfTheGroup) {
+  BusClaims own("own");
+  own.set_group("g");
+  own.want({"one", "two"}, UtcTime{1});
+  EXPECT_FALSE(own.are_wanted_elsewhere());
+  BridgeClaims other{"other", "host", "", {}, {{"three", {}}}, "g"};
+  own.receive("other", other);
+  EXPECT_FALSE(own.are_wanted_elsewhere());
+  other.buses["two"] = {};
+  own.receive("other", other);
+  EXPECT_TRUE(own.are_wanted_elsewhere());
+  own.set_alive("other", false);
+  EXPECT_FALSE(own.are_wanted_elsewhere());
+}
+
 TEST(BusClaims, WhoComesLaterWaitsAndKnowsForWhom) {
   Domain domain;
   auto& first = domain.add("first", 9);
