@@ -199,7 +199,7 @@ class Checker:
     def check_samples(self, station, samples):
         last, restarts = {}, collections.Counter()
         for sample in samples:
-            if "event" in sample:  # `fieldcast watch` was too slow, for example because it was stopped
+            if "event" in sample:  # `fieldcast watch` was too slow, or the bridge was killed
                 self.counts[sample["event"]] += 1
                 continue
             name = f"{sample['bus']}/{sample['device']}/{sample['channel']}"

@@ -209,7 +209,7 @@ class Soak:
         began, late = time.time_ns(), []
         for text in process.stdout:
             sample = json.loads(text)
-            if sample["acquired_at"] > began + 1e9:  # those before are the state at the start
+            if sample.get("acquired_at", 0) > began + 1e9:  # those before are the state at the start
                 late.append((time.time_ns() - sample["acquired_at"]) / 1e6)
         process.wait()
         late.sort()

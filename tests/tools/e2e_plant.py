@@ -142,6 +142,15 @@ class Watch(unittest.TestCase):
         process.stdout.close()
         self.assertEqual(process.wait(timeout=20), 9)
 
+    def test_the_channels_of_a_killed_bridge_are_gone(self):
+        stream = self.stream("fast/press/level", stderr=subprocess.DEVNULL).stdout
+        self.assertEqual(json.loads(stream.readline())["channel"], "level")
+        plant.bridge.kill()
+        plant.bridge.wait()
+        self.addCleanup(plant.kill_bridge)  # starts it again
+        event = next(line for line in map(json.loads, stream) if "event" in line)
+        self.assertEqual(event, {"event": "no_bridge", "bus": "fast", "device": "press", "channel": "level"})
+
     def test_control_c_ends_it_immediately(self):
         process = self.stream(stderr=subprocess.PIPE)
         self.assertTrue(process.stdout.readline())

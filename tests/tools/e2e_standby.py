@@ -134,6 +134,8 @@ class Watch:
     def _read(self):
         for line in self.process.stdout:
             sample = json.loads(line)
+            if "event" in sample:
+                continue
             now = time.monotonic()
             with self.lock:
                 if sample.get("sequence", 0) <= self.sequence:

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/model/watch_model.hpp"
 #include "tools/cli/view/station_view.hpp"
 
@@ -72,11 +73,23 @@ TEST(WatchModel, AnInterestThatChangesNothingIsRemarked) {
 TEST(WatchModel, ARemovedChannelIsNoLongerGoodUntilItIsBack) {
   WatchModel model({});
   model.on_sample(sample("d", "a"), kStart);
-  model.on_gone({"bus", "d", "a"});
+  EXPECT_FALSE(model.is_gone({"bus", "d", "a"}));
+  EXPECT_TRUE(model.on_gone({"bus", "d", "a"}));
+  EXPECT_FALSE(model.on_gone({"bus", "d", "a"})) << "it was gone";
+  EXPECT_FALSE(model.on_gone({"bus", "d", "b"})) << "it was never there";
+  EXPECT_TRUE(model.is_gone({"bus", "d", "a"}));
   EXPECT_EQ(model.good(), 0u);
   EXPECT_THAT(watch_lines(model, kStart, kUtc, {}).at(2), HasSubstr("GONE"));
   model.on_sample(sample("d", "a"), kStart);
   EXPECT_EQ(model.good(), 1u);
+  EXPECT_FALSE(model.is_gone({"bus", "d", "a"}));
+}
+
+TEST(WatchModel, TheLinesOfAChannelThatIsGone) {
+  const ChannelPath path{"bus", "d", "a"};
+  EXPECT_EQ(gone_line(path, kUtc), "2023-11-14T22:13:20.000Z  bus/d/a  -  GONE");
+  EXPECT_EQ(gone_json(path).text(),
+            R"({"event":"no_bridge","bus":"bus","device":"d","channel":"a"})");
 }
 
 TEST(RateMeter, FollowsWhatComes) {

@@ -117,6 +117,18 @@ std::string sample_line(const StationSample& sample, const StationChannel* about
   return printable(fmt::format("{}  {}", line, quality_text(sample, about)));
 }
 
+std::string gone_line(const ChannelPath& path, UtcTime now) {
+  return printable(
+      fmt::format("{}  {}/{}/{}  -  GONE", utc_text(now), path.bus, path.device, path.channel));
+}
+
+Json gone_json(const ChannelPath& path) {
+  return {{"event", "no_bridge"},
+          {"bus", path.bus},
+          {"device", path.device},
+          {"channel", path.channel}};
+}
+
 namespace {
 
 bool take(std::string_view& text, std::string_view any_of) {

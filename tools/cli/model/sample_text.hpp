@@ -8,6 +8,7 @@
 #include "bridge/station/station.hpp"
 #include "core/base/json.hpp"
 #include "core/base/time.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
@@ -43,6 +44,11 @@ namespace fieldcast::cli {
 
 // One line for logs: time, path, value and unit, quality. `about` may be null.
 [[nodiscard]] std::string sample_line(const StationSample& sample, const StationChannel* about);
+
+// The same for a channel without a bridge: "2026-11-21T03:04:05.678Z  bus/d/a  -  GONE".
+[[nodiscard]] std::string gone_line(const ChannelPath& path, UtcTime now);
+// {"event":"no_bridge","bus","device","channel"}
+[[nodiscard]] Json gone_json(const ChannelPath& path);
 
 // Parses and formats points in time. Local times depend on the process's time zone.
 // "2026-11-21", "2026-11-21T10:30", "2026-11-21 10:30:05.25" in UTC or with an offset such as

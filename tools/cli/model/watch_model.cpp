@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/base/message_text.hpp"
@@ -142,9 +143,15 @@ bool WatchModel::on_sample(const StationSample& sample, Instant now) {
   return true;
 }
 
-void WatchModel::on_gone(const ChannelPath& path) {
+bool WatchModel::on_gone(const ChannelPath& path) {
   catalogue_.remove(path);
-  if (const auto found = rows_.find(path); found != rows_.end()) found->second.gone = true;
+  const auto found = rows_.find(path);
+  return found != rows_.end() && !std::exchange(found->second.gone, true);
+}
+
+bool WatchModel::is_gone(const ChannelPath& path) const {
+  const auto found = rows_.find(path);
+  return found != rows_.end() && found->second.gone;
 }
 
 std::size_t WatchModel::good() const {

@@ -70,7 +70,8 @@ class WatchModel {
 
   void on_channel(const StationChannel& channel);
   bool on_sample(const StationSample& sample, Instant now);
-  void on_gone(const ChannelPath& path);
+  // Returns true if this is new and the channel is shown.
+  bool on_gone(const ChannelPath& path);
   void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
 
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }
@@ -80,6 +81,7 @@ class WatchModel {
   [[nodiscard]] const std::map<ChannelPath, Row>& rows() const { return rows_; }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
   [[nodiscard]] double rate(Instant now) const { return rate_.rate(now); }
+  [[nodiscard]] bool is_gone(const ChannelPath& path) const;
   [[nodiscard]] std::size_t good() const;
   [[nodiscard]] std::size_t sampled() const;  // channels with at least one sample
   // A bridge exists, with or without channels.

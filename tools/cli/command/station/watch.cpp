@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <ostream>
+#include <utility>
 
 #include "bridge/dds/transport/network_check.hpp"
 #include "core/base/json.hpp"
@@ -25,6 +27,8 @@ constexpr Duration kLook = std::chrono::milliseconds{200};
 constexpr Duration kInterestWait = std::chrono::seconds{1};
 constexpr Duration kLagAgain = std::chrono::seconds{1};  // shortest time between two lag events
 constexpr Duration kOnceWait = std::chrono::seconds{10};
+// A bus that restarts announces its channels again within this time: those are not reported.
+constexpr Duration kGoneWait = std::chrono::seconds{1};
 
 class Watch {
  public:
@@ -41,6 +45,7 @@ class Watch {
  private:
   void read(const DomainEvent& event, Instant now);
   void print_lines(Instant began, Instant end);
+  void print_gone(Instant now);
   [[nodiscard]] bool screen_wanted();
   void remark_interest(Instant now, Instant began);
   void tell_lag(Instant now);
@@ -56,11 +61,12 @@ class Watch {
   DomainView domain_;
   WatchModel model_;
   const Streams& to_;
-  std::optional<std::string> remark_;   // about the interest; empty until known
-  Instant last_news_{};                 // last growth of the catalogue
-  std::optional<Listening> listening_;  // for --once
-  std::uint64_t missing_told_ = 0;      // missing blocks in the last lag event
-  std::optional<Instant> lag_told_;     // time of the last lag event
+  std::optional<std::string> remark_;                 // about the interest; empty until known
+  Instant last_news_{};                               // last growth of the catalogue
+  std::optional<Listening> listening_;                // for --once
+  std::deque<std::pair<ChannelPath, Instant>> gone_;  // not printed yet
+  std::uint64_t missing_told_ = 0;                    // missing blocks in the last lag event
+  std::optional<Instant> lag_told_;                   // time of the last lag event
 };
 
 ExitCode Watch::run() {
@@ -106,6 +112,7 @@ void Watch::print_lines(Instant began, Instant end) {
     now = instant_now();
     remark_interest(now, began);
     tell_lag(now);
+    print_gone(now);
     if (options_.once && complete(now)) break;
     if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
       hinted = true;
@@ -126,7 +133,15 @@ void Watch::read(const DomainEvent& event, Instant now) {
     last_news_ = now;
     listening_->news(channel->bus, now);
   } else if (const auto* gone = std::get_if<ChannelGone>(&event)) {
-    model_.on_gone(gone->path);
+    if (model_.on_gone(gone->path) && !options_.once) gone_.emplace_back(gone->path, now);
+  }
+}
+
+void Watch::print_gone(Instant now) {
+  for (; !gone_.empty() && now - gone_.front().second >= kGoneWait; gone_.pop_front()) {
+    const ChannelPath& path = gone_.front().first;
+    if (!model_.is_gone(path)) continue;
+    to_.out << (options_.json ? gone_json(path).text() : gone_line(path, utc_now())) << '\n';
   }
 }
 
