@@ -209,7 +209,7 @@ void Bridge::serve_metrics(const BridgeSpec& wanted) {
       [this] {
         MetricsSnapshot snapshot;
         figures_.copy_to(snapshot);
-        return silent_bus(snapshot, read_clocks().utc);
+        return silent_bus(snapshot, steady_now());
       });
 }
 

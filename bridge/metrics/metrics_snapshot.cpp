@@ -4,9 +4,9 @@
 
 namespace fieldcast {
 
-std::string silent_bus(const MetricsSnapshot& snapshot, UtcTime now) {
+std::string silent_bus(const MetricsSnapshot& snapshot, Instant now) {
   for (const auto& figures : snapshot.buses) {
-    const Duration silent{saturated_difference(now.nanoseconds, figures->at.nanoseconds)};
+    const Duration silent = now - figures->reported;
     if (silent > kSilentBus)
       return fmt::format("{}: no report for {:.0f} s", figures->bus, to_seconds(silent));
   }

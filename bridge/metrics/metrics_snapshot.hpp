@@ -26,6 +26,7 @@ struct BusFigures {
   BusReport report;
   DdsLink::BusCounters dds;
   UtcTime at;
+  Instant reported{};  // the same moment
 };
 
 struct DeviceFigures {
@@ -62,7 +63,7 @@ struct MetricsSnapshot {
 // Returns the fault of a bus without a report for this time, as "line: no report for 17 s"; empty
 // if all buses report. Each bus reports every second; the limit is that of the watchdog of systemd.
 inline constexpr Duration kSilentBus = std::chrono::seconds{15};
-[[nodiscard]] std::string silent_bus(const MetricsSnapshot& snapshot, UtcTime now);
+[[nodiscard]] std::string silent_bus(const MetricsSnapshot& snapshot, Instant now);
 
 // Last report of every bus and device, for the metrics, as immutable copies that a snapshot shares:
 // the lock is held only to copy pointers. Any thread. Limited by the number of buses and devices.

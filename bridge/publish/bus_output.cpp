@@ -87,9 +87,9 @@ void BusOutput::report(const BusReport& report, UtcTime at) {
   if (foreign && in_group_) hold_.foreign_master(steady_now());
   publish({}, now);  // samples that were held
   this->report(alarms_.on_time(now), now);
-  post([this, report, at] {
+  post([this, report, at, reported = steady_now()] {
     link_.report(bus_, report, at);
-    figures_.note(BusFigures{bus_, report, link_.counters(bus_), at});
+    figures_.note(BusFigures{bus_, report, link_.counters(bus_), at, reported});
   });
 }
 

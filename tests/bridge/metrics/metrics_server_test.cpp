@@ -98,10 +98,11 @@ TEST_F(MetricsServerTest, ReportsTheHealthOfTheBridge) {
 }
 
 TEST(SilentBus, IsABusWithoutAReportForTheLimit) {
-  const UtcTime now{1'000'000'000'000};
-  const auto bus = [now](const char* name, Duration age) {
+  const Instant now{seconds{1000}};
+  const UtcTime clock{1'700'000'000'000'000'000};  // may be set meanwhile
+  const auto bus = [&](const char* name, Duration age) {
     return std::make_shared<const BusFigures>(
-        BusFigures{.bus = name, .at = UtcTime{now.nanoseconds - age.count()}});
+        BusFigures{.bus = name, .at = clock, .reported = now - age});
   };
   EXPECT_EQ(silent_bus({}, now), "");
   EXPECT_EQ(silent_bus({.buses = {bus("line", seconds{15}), bus("hall", -seconds{3})}}, now), "");
