@@ -74,6 +74,24 @@ TEST_F(CommandServiceTest, AfterACrashAPendingCommandIsNotRunAgain) {
   EXPECT_TRUE(executed.empty());
 }
 
+TEST_F(CommandServiceTest, AResultThatCannotBeStoredIsSentAndTheCommandIsNotRunAgain) {
+  outcome = [this]() -> StationOutcome {
+    open_sqlite(journal, IfMissing::kFail)
+        ->script(
+            "create trigger full before update on commands begin "
+            "select raise(fail, 'disk full'); end;");
+    return StationResult{.state = CommandState::kDone, .cause = "NONE"};
+  };
+  CommandService service(spec(), journal, execute());
+  const nlohmann::json first = ask(service, text("1"));
+  EXPECT_EQ(first.at("state"), "done");
+  EXPECT_EQ(first.at("id"), "1");
+  const nlohmann::json repeated = ask(service, text("1"));
+  EXPECT_EQ(repeated.at("state"), "unknown");
+  EXPECT_EQ(repeated.at("id"), "1");
+  EXPECT_EQ(executed.size(), 1u);
+}
+
 TEST_F(CommandServiceTest, ARefusedRequestIsNotRun) {
   CommandService service(spec(), journal, execute());
   EXPECT_EQ(ask(service, text("1"), "ben").at("state"), "rejected");

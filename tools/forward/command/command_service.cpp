@@ -38,6 +38,10 @@ CommandResponse response_from(const std::string& id, const StationOutcome& outco
           .reason = to_text(outcome)};
 }
 
+void log_fault(const StoreError& error) {
+  log_counted(LogLevel::kError, kSubject, "faults of the journal", error.what());
+}
+
 }  // namespace
 
 CommandService::CommandService(CommandSpec spec, const std::string& journal, Execute execute)
@@ -64,7 +68,7 @@ void CommandService::run(BoundedQueue<CentreRequest>& requests) {
     try {
       request->reply(response_to(*request));
     } catch (const StoreError& error) {
-      log_counted(LogLevel::kError, kSubject, "faults of the journal", error.what());
+      log_fault(error);
       request->reply(to_json(refusal("", "the site cannot store the command")));
     }
   }
@@ -83,6 +87,11 @@ std::string CommandService::response_to(const CentreRequest& request) {
   }
   const CommandJournal::Entry entry = journal_.begin(command->user, command->id, now);
   if (entry.response) return *entry.response;
+  if (!entry.is_new)
+    return to_json({.id = command->id,
+                    .state = "unknown",
+                    .cause = "NONE",
+                    .reason = "the site could not store the first result: read the channel"});
   const Duration left = std::min(
       kLongest, Duration{saturated_difference(command->expires_at.nanoseconds, now.nanoseconds)});
   // In whole seconds if possible, because each lifespan has a DDS writer of its own.
@@ -91,7 +100,11 @@ std::string CommandService::response_to(const CentreRequest& request) {
   log_info(kSubject, fmt::format("{}: {} of {} by {}", command->id, to_text(command->action),
                                  command->channel.text(), command->user));
   const std::string response = to_json(response_from(command->id, execute_(*command, lifespan)));
-  journal_.complete(command->user, command->id, response);
+  try {
+    journal_.complete(command->user, command->id, response);
+  } catch (const StoreError& error) {
+    log_fault(error);  // the command was executed
+  }
   return response;
 }
 
