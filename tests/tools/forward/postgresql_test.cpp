@@ -1,11 +1,17 @@
+#include "tools/forward/outlet/postgresql/postgresql.hpp"
+
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <map>
+#include <memory>
 
+#include "tests/bridge/store/postgres_server.hpp"
 #include "tests/tools/forward/batch_support.hpp"
 #include "tools/forward/outlet/postgresql/arrays.hpp"
 #include "tools/forward/outlet/postgresql/connection_text.hpp"
 #include "tools/forward/outlet/postgresql/tables.hpp"
+#include "tools/forward/payload/codec.hpp"
 
 namespace fieldcast::forward {
 namespace {
@@ -89,6 +95,95 @@ TEST(PostgresqlTables, TheTypeHasEveryQuality) {
     EXPECT_THAT(text, HasSubstr("'" + std::string(to_text(static_cast<Quality>(i))) + "'"));
   EXPECT_THAT(text, HasSubstr("create table if not exists \"plant\".channels"));
   EXPECT_THAT(text, Not(HasSubstr("{s}")));
+}
+
+// An outlet, and a second connection that reads what it has written.
+class Written {
+ public:
+  explicit Written(const test::PostgresServer& server)
+      : reader_(open_postgres(server.address())),
+        outlet_(spec_of(server),
+                {.site = "north",
+                 .payload = {},
+                 .catalogue = [this](std::uint64_t identity) -> std::optional<std::string> {
+                   const auto found = catalogues_.find(identity);
+                   if (found == catalogues_.end()) return std::nullopt;
+                   return found->second;
+                 },
+                 .wake = [] {},
+                 .count_connection = [] { return std::uint64_t{0}; },
+                 .on_command = nullptr}) {
+    EXPECT_TRUE(outlet_.is_ready(Instant{std::chrono::seconds{1}}));
+  }
+  // The identity of a catalogue with this unit.
+  std::uint64_t catalogue_in(const std::string& unit) {
+    DeviceCatalogue made = catalogue({"a"});
+    made.channels[0].unit = unit;
+    catalogues_[identity_of(made)] = encode("north", made);
+    return identity_of(made);
+  }
+  void write_catalogue(std::uint64_t identity) {
+    write({.kind = RecordKind::kCatalogue,
+           .bus = "line",
+           .device = "press",
+           .identity = identity,
+           .body = catalogues_.at(identity)});
+  }
+  void write_late(std::uint64_t identity) {
+    SampleBatch batch = seconds(0, 1);
+    batch.catalogue = identity;
+    Record record = record_of(batch);
+    record.is_late = true;
+    write(record);
+  }
+  void write(const Record& record) {
+    EXPECT_TRUE(outlet_.send(record));
+    outlet_.flush();
+    const auto results = outlet_.take_results();
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(results[0].outcome, Outcome::kAcknowledged);
+  }
+  std::string one(const std::string& sql) {
+    std::string found;
+    reader_->query(sql, {}, [&found](const SqlRow& row) {
+      found = text_at(row, 0);
+      return false;
+    });
+    return found;
+  }
+
+ private:
+  static PostgresqlSpec spec_of(const test::PostgresServer& server) {
+    const std::string address = server.address().text();
+    PostgresqlSpec spec;
+    spec.server = address.substr(address.find("host=") + 5);
+    spec.database = "postgres";
+    spec.user = "fieldcast";
+    spec.create = true;
+    return spec;
+  }
+
+  std::map<std::uint64_t, std::string> catalogues_;
+  std::unique_ptr<SqlConnection> reader_;
+  PostgresqlOutlet outlet_;
+};
+
+TEST(PostgresqlOutlet, AChannelIsThatOfThePresentCatalogue) {
+  test::with_postgres([](test::PostgresServer& server) {
+    Written written(server);
+    const auto unit = [&] { return written.one("select unit from fieldcast.channels"); };
+    const std::uint64_t bar = written.catalogue_in("bar"), mbar = written.catalogue_in("mbar");
+    written.write_late(bar);
+    EXPECT_EQ(unit(), "bar") << "the channel was not there";
+    written.write_catalogue(mbar);
+    EXPECT_EQ(unit(), "mbar");
+    written.write_late(written.catalogue_in("hPa"));
+    EXPECT_EQ(unit(), "mbar") << "late samples have an earlier catalogue";
+    written.write_catalogue(bar);
+    EXPECT_EQ(unit(), "bar") << "the configuration was restored";
+    written.write_catalogue(mbar);
+    EXPECT_EQ(unit(), "mbar");
+  });
 }
 
 TEST(PostgresqlConnection, TheServerIsCheckedByItsAuthority) {

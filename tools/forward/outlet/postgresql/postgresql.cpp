@@ -22,6 +22,7 @@ constexpr const char* kSubject = "postgresql";
 
 PostgresqlOutlet::Statements::Statements(const std::string& schema)
     : upsert_channels(forward::upsert_channels(schema)),
+      insert_channels(forward::insert_channels(schema)),
       select_channels(forward::select_channels(schema)),
       insert_samples(forward::insert_samples(schema)),
       insert_alarm(forward::insert_alarm(schema)),
@@ -54,7 +55,7 @@ void PostgresqlOutlet::connect() {
   const StoreAddress address(*text);
   wipe(*text);
   connection_ = open_postgres(address);
-  ids_.clear();
+  forget();
   if (spec_.create) connection_->script(create_tables(spec_.schema));
   log_info(kSubject, fmt::format("connected to {}, database {}", spec_.server, spec_.database));
 }
@@ -109,24 +110,25 @@ bool PostgresqlOutlet::write(const Record& record, SampleRows& samples) {
     }
     case RecordKind::kCatalogue: {
       const auto catalogue = decode_catalogue(record.body);
-      if (catalogue) static_cast<void>(ids_of(record.identity, *catalogue));
+      if (catalogue) static_cast<void>(ids_of(record, record.identity, *catalogue));
       return catalogue.has_value();
     }
     case RecordKind::kSamples: break;
   }
   const auto decoded = decoder_.samples(record);
-  if (decoded) samples.add(decoded->batch, ids_of(decoded->batch.catalogue, *decoded->catalogue));
+  if (decoded)
+    samples.add(decoded->batch, ids_of(record, decoded->batch.catalogue, *decoded->catalogue));
   return decoded.has_value();
 }
 
 void PostgresqlOutlet::write_each() {
-  ids_.clear();  // those of a transaction that was rolled back
+  forget();  // the transaction was rolled back
   std::vector<Record> records = std::exchange(pending_, {});
   for (std::size_t i = 0; i < records.size(); ++i) {
     try {
       results_.push_back(write(std::span(&records[i], 1)).front());
     } catch (const StoreRowRefused& error) {
-      ids_.clear();
+      forget();
       log_counted(LogLevel::kError, kSubject, "messages that the server refuses",
                   fmt::format("{}/{}: a message with {} samples is removed: {}", records[i].bus,
                               records[i].device, records[i].samples, error.what()));
@@ -138,11 +140,21 @@ void PostgresqlOutlet::write_each() {
   }
 }
 
-const std::vector<std::int64_t>& PostgresqlOutlet::ids_of(std::uint64_t identity,
+void PostgresqlOutlet::forget() {
+  ids_.clear();
+  present_.clear();
+}
+
+const std::vector<std::int64_t>& PostgresqlOutlet::ids_of(const Record& record,
+                                                          std::uint64_t identity,
                                                           const DeviceCatalogue& catalogue) {
-  if (const auto known = ids_.find(identity); known != ids_.end()) return known->second;
-  if (ids_.size() >= kMaxCatalogues) ids_.clear();
-  connection_->execute(statements_.upsert_channels, channel_parameters(context_.site, catalogue));
+  if (ids_.size() >= kMaxCatalogues) forget();
+  const auto known = ids_.find(identity);
+  std::uint64_t& present = present_[catalogue.bus + '/' + catalogue.device];
+  if (known != ids_.end() && (record.is_late || present == identity)) return known->second;
+  connection_->execute(record.is_late ? statements_.insert_channels : statements_.upsert_channels,
+                       channel_parameters(context_.site, catalogue));
+  if (!record.is_late) present = identity;
   std::unordered_map<std::string, std::int64_t> by_name;
   connection_->query(statements_.select_channels, {context_.site, catalogue.bus, catalogue.device},
                      [&by_name](const SqlRow& row) {

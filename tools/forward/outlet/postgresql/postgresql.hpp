@@ -34,7 +34,8 @@ class PostgresqlOutlet final : public Outlet {
 
   struct Statements {
     explicit Statements(const std::string& schema);
-    std::string upsert_channels, select_channels, insert_samples, insert_alarm, insert_audit;
+    std::string upsert_channels, insert_channels, select_channels, insert_samples, insert_alarm,
+        insert_audit;
   };
 
   // Both throw StoreError; the database is then as before.
@@ -45,7 +46,10 @@ class PostgresqlOutlet final : public Outlet {
   [[nodiscard]] bool write(const Record& record, SampleRows& samples);
   // Writes each record in a transaction of its own, to find those that the server refuses.
   void write_each();
-  const std::vector<std::int64_t>& ids_of(std::uint64_t identity, const DeviceCatalogue& catalogue);
+  // The catalogue of a record that is not late becomes that of the table.
+  const std::vector<std::int64_t>& ids_of(const Record& record, std::uint64_t identity,
+                                          const DeviceCatalogue& catalogue);
+  void forget();
   void fail_pending(const StoreError& error);
 
   const PostgresqlSpec spec_;
@@ -56,7 +60,8 @@ class PostgresqlOutlet final : public Outlet {
   Instant next_attempt_{};
   // The ids of the channels of a catalogue, by its identity.
   std::map<std::uint64_t, std::vector<std::int64_t>> ids_;
-  std::vector<Record> pending_;  // of this turn
+  std::map<std::string, std::uint64_t> present_;  // identity in the table, by "bus/device"
+  std::vector<Record> pending_;                   // of this turn
   std::size_t pending_samples_ = 0;
   std::vector<OutletResult> results_;
 };

@@ -63,7 +63,7 @@ from {s}.alarms a join {s}.sites t on t.id = a.site
 order by a.site, a.bus, a.device, a.channel, a.limit_kind, a.id desc;
 )";
 
-constexpr std::string_view kUpsertChannels = R"(
+constexpr std::string_view kInsertChannels = R"(
 with site as (
   insert into {s}.sites (site) values ($1)
   on conflict (site) do update set site = excluded.site returning id)
@@ -73,7 +73,9 @@ select site.id, u.* from site,
   unnest($2::text[], $3::text[], $4::text[], $5::text[], $6::text[], $7::text[], $8::text[],
     $9::double precision[], $10::double precision[], $11::double precision[],
     $12::double precision[]) as u
-on conflict (site, bus, device, channel) do update set
+on conflict (site, bus, device, channel) do )";
+
+constexpr std::string_view kUpdateChannels = R"(update set
   type = excluded.type, unit = excluded.unit, at = excluded.at, description = excluded.description,
   low_low = excluded.low_low, low = excluded.low, high = excluded.high,
   high_high = excluded.high_high
@@ -131,7 +133,10 @@ std::string with_schema(std::string_view text, const std::string& schema) {
 
 std::string create_tables(const std::string& schema) { return with_schema(kTables, schema); }
 std::string upsert_channels(const std::string& schema) {
-  return with_schema(kUpsertChannels, schema);
+  return with_schema(std::string(kInsertChannels).append(kUpdateChannels), schema);
+}
+std::string insert_channels(const std::string& schema) {
+  return with_schema(std::string(kInsertChannels).append("nothing"), schema);
 }
 std::string select_channels(const std::string& schema) {
   return with_schema(kSelectChannels, schema);

@@ -16,6 +16,8 @@ namespace fieldcast::forward {
 
 // site, arrays of bus, device, channel, type, unit, at, description, low_low, low, high, high_high.
 [[nodiscard]] std::string upsert_channels(const std::string& schema);
+// The same; a channel that exists is not changed.
+[[nodiscard]] std::string insert_channels(const std::string& schema);
 // site, bus, device. Rows: channel, id.
 [[nodiscard]] std::string select_channels(const std::string& schema);
 // Arrays of channel id, epoch, sequence, acquired_at in ns, quality, device_code, value, text.
