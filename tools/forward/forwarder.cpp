@@ -36,11 +36,13 @@ Record record_of(const SampleBatch& batch) {
           .body = encode(batch)};
 }
 
-Record record_of(const std::string& site, const StationAlarmStatus& alarm) {
+Record record_of(const std::string& site, const StationAlarmStatus& alarm,
+                 const Position& position) {
   return {.kind = RecordKind::kAlarm,
           .bus = alarm.alarm.bus,
           .device = alarm.alarm.device,
-          .identity = identity_of(alarm),
+          .epoch = position.epoch,
+          .identity = position.sequence,
           .body = encode(site, alarm)};
 }
 
@@ -154,18 +156,18 @@ void Forwarder::subscribe() {
 }
 
 void Forwarder::on_alarm(const StationAlarmStatus& alarm) {
-  const Position position{0, identity_of(alarm)};
   const std::lock_guard lock(mutex_);
   const std::string name = to_text(alarm.alarm);
   const auto known = alarm_positions_.find(name);
   const bool is_known = known != alarm_positions_.end();
-  if (is_known && known->second == position) return;
+  const auto position = next_position(is_known ? known->second : Position{}, alarm);
+  if (!position) return;
   if (alarms_.size() >= kMaxAlarms || (!is_known && alarm_positions_.size() >= kMaxKnownAlarms)) {
     ++lost_alarms_;
     return;
   }
-  alarm_positions_[name] = position;
-  alarms_.push_back(alarm);
+  alarm_positions_[name] = *position;
+  alarms_.push_back({alarm, *position});
 }
 
 void Forwarder::on_audit(const AuditReport& entry) {
@@ -247,7 +249,7 @@ void Forwarder::append(bool all) {
 
 void Forwarder::collect(bool all) {
   std::vector<Gathered> batches;
-  std::vector<StationAlarmStatus> alarms;
+  std::vector<NumberedAlarm> alarms;
   std::vector<AuditReport> audit;
   {
     const std::lock_guard lock(mutex_);
@@ -262,9 +264,9 @@ void Forwarder::collect(bool all) {
     std::move(gathered.positions.begin(), gathered.positions.end(), std::back_inserter(positions_));
   }
   collect_fetched();
-  for (const StationAlarmStatus& alarm : alarms) {
-    records_.push_back(record_of(spec_.site, alarm));
-    positions_.push_back({to_text(alarm.alarm), {0, records_.back().identity}});
+  for (const auto& [alarm, position] : alarms) {
+    records_.push_back(record_of(spec_.site, alarm, position));
+    positions_.push_back({to_text(alarm.alarm), position});
   }
   for (const AuditReport& entry : audit) {
     records_.push_back(record_of(spec_.site, entry));

@@ -57,6 +57,11 @@ class Forwarder {
   // counted.
   static constexpr std::size_t kMaxAlarms = 20'000, kMaxKnownAlarms = 100'000;
 
+  struct NumberedAlarm {
+    StationAlarmStatus alarm;
+    Position position;
+  };
+
   void subscribe();
   [[nodiscard]] StationOutcome execute(const CommandRequest& request, Duration lifespan);
   void check_disk() const;
@@ -86,7 +91,7 @@ class Forwarder {
   std::uint64_t fetched_samples_ = 0;        // since the last report
   bool is_right_reported_ = false;           // that this program may not fetch samples
   Gatherer gatherer_;
-  std::vector<StationAlarmStatus> alarms_;
+  std::vector<NumberedAlarm> alarms_;
   std::vector<AuditReport> audit_;
   std::map<std::string, Position, std::less<>> alarm_positions_;  // and of the audits
   std::uint64_t lost_alarms_ = 0;                                 // since the last report

@@ -85,7 +85,7 @@ TEST(PostgresqlArrays, ASampleOfAnUnknownChannelIsLeftOut) {
 }
 
 TEST(PostgresqlArrays, AnAlarmHasFourteenParameters) {
-  EXPECT_EQ(alarm_parameters("north", alarm()).size(), 14u);
+  EXPECT_EQ(alarm_parameters("north", alarm(), 7).size(), 14u);
   EXPECT_EQ(channel_parameters("north", catalogue({"a", "b"})).size(), 12u);
 }
 
@@ -183,6 +183,20 @@ TEST(PostgresqlOutlet, AChannelIsThatOfThePresentCatalogue) {
     EXPECT_EQ(unit(), "bar") << "the configuration was restored";
     written.write_catalogue(mbar);
     EXPECT_EQ(unit(), "mbar");
+  });
+}
+
+TEST(PostgresqlOutlet, HasEachStateOfAnAlarmAlsoARepeatedOne) {
+  test::with_postgres([](test::PostgresServer& server) {
+    Written written(server);
+    for (const std::uint64_t number : {1u, 3u, 3u})
+      written.write({.kind = RecordKind::kAlarm,
+                     .bus = "line",
+                     .device = "press",
+                     .epoch = number,
+                     .identity = identity_of(alarm()),
+                     .body = encode("north", alarm())});
+    EXPECT_EQ(written.one("select count(*)::text from fieldcast.alarms"), "2");
   });
 }
 

@@ -48,5 +48,27 @@ TEST(MessageId, IsThatOfTheSamples) {
   EXPECT_TRUE(message_id_of("north", record).starts_with("north/line/7/"));
 }
 
+TEST(MessageId, OfAnAlarmThatReturnsToAnEarlierStateIsNew) {
+  const StationAlarmStatus shelved = alarm();
+  StationAlarmStatus raised = shelved;
+  raised.status.shelved = {};
+  const auto id_of = [](const Position& position) {
+    return message_id_of("north", {.kind = RecordKind::kAlarm,
+                                   .bus = "line",
+                                   .device = "press",
+                                   .epoch = position.epoch,
+                                   .identity = position.sequence});
+  };
+  const auto first = next_position({}, raised);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(next_position(*first, raised)) << "a reader can get a state twice";
+  const auto second = next_position(*first, shelved);
+  ASSERT_TRUE(second);
+  const auto third = next_position(*second, raised);
+  ASSERT_TRUE(third);
+  EXPECT_NE(id_of(*first), id_of(*second));
+  EXPECT_NE(id_of(*first), id_of(*third));
+}
+
 }  // namespace
 }  // namespace fieldcast::forward

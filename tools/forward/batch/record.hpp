@@ -16,7 +16,7 @@ struct Record {
   std::uint64_t id = 0;  // ascending in the order of Queue::append()
   RecordKind kind = RecordKind::kSamples;
   std::string bus, device;     // of the audit: the bridge, and empty
-  std::uint64_t epoch = 0;     // of samples, or of the bridge
+  std::uint64_t epoch = 0;     // of samples, or of the bridge; of an alarm: counts its states
   std::uint64_t identity = 0;  // of the whole content; thinning does not change it
   std::uint32_t samples = 0;
   // Samples that were published long before they are sent. Consumers that need only present values

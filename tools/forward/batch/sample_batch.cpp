@@ -86,4 +86,10 @@ std::uint64_t identity_of(const AuditReport& entry) {
   return Hash().add(std::string_view(entry.bridge)).add(entry.epoch).add(entry.number).value();
 }
 
+std::optional<Position> next_position(const Position& known, const StationAlarmStatus& alarm) {
+  const std::uint64_t identity = identity_of(alarm);
+  if (identity == known.sequence) return std::nullopt;
+  return Position{known.epoch + 1, identity};
+}
+
 }  // namespace fieldcast::forward

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,13 +51,17 @@ struct DeviceCatalogue {
 // The newest sample of a channel, state of an alarm, or entry of a bridge's audit that was
 // accepted.
 struct Position {
-  std::uint64_t epoch = 0;     // 0 for an alarm
+  std::uint64_t epoch = 0;     // of an alarm: counts its states
   std::uint64_t sequence = 0;  // of an alarm: its identity; of the audit: the number
   friend bool operator==(const Position&, const Position&) = default;
 };
 [[nodiscard]] inline SampleNumber number_of(const Position& position) {
   return {position.epoch, position.sequence};
 }
+// Of the alarm's state after `known`; empty if that is the same state. An alarm can return to an
+// earlier state, for example when a user ends its shelving; the count then makes it a new one.
+[[nodiscard]] std::optional<Position> next_position(const Position& known,
+                                                    const StationAlarmStatus& alarm);
 struct NamedPosition {
   std::string name;  // "bus/device/channel", of an alarm followed by its limit
   Position position;

@@ -122,10 +122,11 @@ SqlRow channel_parameters(const std::string& site, const DeviceCatalogue& catalo
           low_low.text(), low.text(),  high.text(),   high_high.text()};
 }
 
-SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm) {
+SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm,
+                        std::uint64_t identity) {
   const AlarmStatus& status = alarm.status;
   return {site,
-          bits(identity_of(alarm)),
+          bits(identity),
           alarm.alarm.bus,
           alarm.alarm.device,
           alarm.alarm.channel,

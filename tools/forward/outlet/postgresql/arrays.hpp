@@ -48,6 +48,8 @@ class SampleRows {
 // The parameters of insert_audit().
 [[nodiscard]] SqlRow audit_parameters(const std::string& site, const AuditReport& entry);
 // The parameters of insert_alarm().
-[[nodiscard]] SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm);
+// `identity`: the key of the state in the table.
+[[nodiscard]] SqlRow alarm_parameters(const std::string& site, const StationAlarmStatus& alarm,
+                                      std::uint64_t identity);
 
 }  // namespace fieldcast::forward

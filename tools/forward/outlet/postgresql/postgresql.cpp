@@ -99,7 +99,9 @@ bool PostgresqlOutlet::write(const Record& record, SampleRows& samples) {
     case RecordKind::kAlarm: {
       const auto alarm = decode_alarm(record.body);
       if (alarm)
-        connection_->execute(statements_.insert_alarm, alarm_parameters(context_.site, *alarm));
+        connection_->execute(
+            statements_.insert_alarm,
+            alarm_parameters(context_.site, *alarm, record.identity ^ record.epoch));
       return alarm.has_value();
     }
     case RecordKind::kAudit: {
