@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bridge/base/clock.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -14,8 +15,7 @@ std::string values_text(const std::vector<Value>& values) {
   for (std::size_t i = 0; i < values.size() && i < kMaxValuesShown; ++i)
     text += ' ' + to_text(values[i]);
   if (values.size() > kMaxValuesShown) text += fmt::format(" .. ({} values)", values.size());
-  if (text.size() > kMaxTextShown) text.resize(kMaxTextShown);
-  return text;
+  return printable(text, kMaxTextShown);
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ AuditEntry audit_entry(const std::string& bus, const Command& command) {
   if (const auto* channel = std::get_if<ChannelTarget>(&command.target)) {
     if (!channel->name.empty()) entry.target += '/' + channel->name;
   } else {
-    entry.target += " at " + std::get<AddressTarget>(command.target).at;
+    entry.target += " at " + printable(std::get<AddressTarget>(command.target).at);
   }
   return entry;
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/message_text.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
 namespace fieldcast {
@@ -77,6 +78,17 @@ TEST(CommandAudit, LongListsAreCutAndStillCounted) {
   EXPECT_EQ(audit_entry("line", write_of(1, std::vector<Value>(2048, Value{true}))).what,
             "write true true true true true true true true .. (2048 values)");
   EXPECT_LT(audit_entry("line", write_of(1, {std::string(100'000, 'x')})).what.size(), 200u);
+}
+
+TEST(CommandAudit, ATextIsShownAsPrintableUtf8) {
+  EXPECT_EQ(audit_entry("line", write_of(1, {std::string("a\n\xFF")})).what, "write a\\n\\xFF");
+  std::string umlauts;
+  for (int i = 0; i < 100; ++i) umlauts += "ü";
+  const std::string what = audit_entry("line", write_of(1, {umlauts})).what;
+  EXPECT_TRUE(is_utf8(what)) << what;
+  Command command = write_of(1, {true});
+  command.target = AddressTarget{"holding:\xFF", {}};
+  EXPECT_EQ(audit_entry("line", command).target, "line/press at holding:\\xFF");
 }
 
 TEST(CommandAudit, WithoutAStoreNothingIsHeld) {

@@ -134,6 +134,20 @@ TEST(AlarmCodec, EveryFieldIsRestored) {
   EXPECT_EQ(decoded->status, alarm().status);
 }
 
+TEST(AuditCodec, ATextThatIsNotUtf8IsEscaped) {
+  AuditReport made = audit();
+  made.who = "panel\xC3";
+  made.what = "write \xFF";
+  made.target = "line/press at \xE4";
+  made.result = "rejected: \x80";
+  const auto decoded = decode_audit(encode("north", made));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->who, "panel\\xC3");
+  EXPECT_EQ(decoded->what, "write \\xFF");
+  EXPECT_EQ(decoded->target, "line/press at \\xE4");
+  EXPECT_EQ(decoded->result, "rejected: \\x80");
+}
+
 TEST(Compression, ShortensARepetitiveTextAndKeepsAShortOne) {
   const std::string frame = compressed(std::string(1000, 'x'));
   EXPECT_LT(frame.size(), 100u);

@@ -1,7 +1,15 @@
+#include "core/base/message_text.hpp"
 #include "schema/forward.pb.h"
 #include "tools/forward/payload/codec.hpp"
 
 namespace fieldcast::forward {
+
+namespace {
+
+// What a program wrote can contain any bytes; protobuf refuses a string that is not UTF-8.
+std::string utf8_of(const std::string& text) { return is_utf8(text) ? text : escaped(text); }
+
+}  // namespace
 
 std::string encode(std::string_view site, const AuditReport& entry) {
   v1::Audit out;
@@ -11,12 +19,12 @@ std::string encode(std::string_view site, const AuditReport& entry) {
   out.set_epoch(entry.epoch);
   out.set_number(entry.number);
   out.set_at(entry.at.nanoseconds);
-  out.set_who(entry.who);
-  out.set_what(entry.what);
-  out.set_target(entry.target);
+  out.set_who(utf8_of(entry.who));
+  out.set_what(utf8_of(entry.what));
+  out.set_target(utf8_of(entry.target));
   out.set_bytes_to_device(entry.bytes_to_device);
   out.set_bytes_from_device(entry.bytes_from_device);
-  out.set_result(entry.result);
+  out.set_result(utf8_of(entry.result));
   return out.SerializeAsString();
 }
 
