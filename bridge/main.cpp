@@ -30,6 +30,7 @@
 #include "core/base/message_text.hpp"
 #include "core/bus/wire/fence_setup.hpp"
 #include "core/model/overlap.hpp"
+#include "core/model/reach.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
 
@@ -78,16 +79,26 @@ void report_overloads(const BridgeSpec& spec, Report warn) {
   }
 }
 
-constexpr std::size_t kOverlapsReported = 20;  // per bus; the rest is only counted
+constexpr std::size_t kReported = 20;  // per bus and kind; the rest is only counted
 
 // Reports channels that read the same items as different types.
 void report_overlaps(const BridgeSpec& spec, Report warn) {
   for (const BusSpec& bus : spec.buses) {
     const std::vector<Overlap> overlaps = overlaps_of(bus);
-    for (std::size_t i = 0; i < std::min(overlaps.size(), kOverlapsReported); ++i)
+    for (std::size_t i = 0; i < std::min(overlaps.size(), kReported); ++i)
       warn(bus.name, to_text(overlaps[i]));
-    if (overlaps.size() > kOverlapsReported)
-      warn(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kOverlapsReported));
+    if (overlaps.size() > kReported)
+      warn(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kReported));
+  }
+}
+
+// Reports alarm limits that the type of the channel cannot exceed.
+void report_limits(const BridgeSpec& spec, Report warn) {
+  for (const BusSpec& bus : spec.buses) {
+    const std::vector<std::string> limits = unreachable_limits(bus);
+    for (std::size_t i = 0; i < std::min(limits.size(), kReported); ++i) warn(bus.name, limits[i]);
+    if (limits.size() > kReported)
+      warn(bus.name, fmt::format("{} more limits cannot be reached", limits.size() - kReported));
   }
 }
 
@@ -345,6 +356,7 @@ ExitCode check_configuration(const std::string& path) {
   });
   report_overloads(*loaded, print_warning);
   report_overlaps(*loaded, print_warning);
+  report_limits(*loaded, print_warning);
   report_calculations(*loaded, print_warning);
   report_fences(*loaded, print, print_warning);
   if (const auto small = rate_remark(*loaded)) print_warning("dds", *small);

@@ -254,7 +254,8 @@ const Rows<Limits>& limit_rows() {
                  .column = "alarm-priority"},
                 &Limits::priority, ChoiceRule<AlarmPriority>{kAlarmPriorities}),
       },
-      "Alarms: low-low < low < high < high-high.");
+      "Alarms: low-low < low < high < high-high. `--check` warns of a limit that no value of the "
+      "type exceeds.");
   return rows;
 }
 

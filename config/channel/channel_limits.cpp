@@ -6,35 +6,10 @@
 #include <cmath>
 
 #include "config/channel/channel_keys.hpp"
+#include "core/model/reach.hpp"
 
 namespace fieldcast::config {
 namespace {
-
-// Empty for floats, and if the device gives an exponent.
-std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
-  double least = 0, greatest = 0;
-  const int width = static_cast<int>(width_bits(Encoding{.type = encoding.type}));
-  if (encoding.exponent_distance != 0) return std::nullopt;
-  switch (encoding.type) {
-    case ValueType::kInt8:
-    case ValueType::kInt16:
-    case ValueType::kInt32:
-    case ValueType::kInt64:
-      least = -std::ldexp(1.0, width - 1);
-      greatest = -least - 1;
-      break;
-    case ValueType::kUint8:
-    case ValueType::kUint16:
-    case ValueType::kUint32:
-    case ValueType::kUint64: greatest = std::ldexp(1.0, width) - 1; break;
-    case ValueType::kBcd8: greatest = 99; break;
-    case ValueType::kBcd16: greatest = 9'999; break;
-    case ValueType::kBcd32: greatest = 99'999'999; break;
-    default: return std::nullopt;
-  }
-  return std::minmax(
-      {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
-}
 
 // A value back inside one limit by the hysteresis must not exceed the opposite one.
 void check_hysteresis(MapReader& map, const Limits& limits) {
@@ -90,16 +65,16 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
 void check_write_span(MapReader& map, const ChannelSpec& spec) {
   const auto span = span_of(spec.encoding);
   if (!span || (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max)) return;
-  double least = std::max(spec.write_min.value_or(span->first), span->first);
-  double greatest = std::min(spec.write_max.value_or(span->second), span->second);
+  double least = std::max(spec.write_min.value_or(span->least), span->least);
+  double greatest = std::min(spec.write_max.value_or(span->greatest), span->greatest);
   // A scaled value is rounded after the check of the limits, others are whole.
   if (!spec.encoding.scaled()) least = std::ceil(least), greatest = std::floor(greatest);
   if (least <= greatest) return;
-  map.fault(
-      "write", "no value of this channel is within its write limits",
-      fmt::format("limits that overlap with {}{} to {}",
-                  spec.encoding.scaled() ? "" : "whole numbers of ",
-                  fieldcast::to_text(Value{span->first}), fieldcast::to_text(Value{span->second})));
+  map.fault("write", "no value of this channel is within its write limits",
+            fmt::format("limits that overlap with {}{} to {}",
+                        spec.encoding.scaled() ? "" : "whole numbers of ",
+                        fieldcast::to_text(Value{span->least}),
+                        fieldcast::to_text(Value{span->greatest})));
 }
 
 // A value held back by the deadband must not hide a change from one limit to the other.

@@ -281,6 +281,17 @@ TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {
               HasSubstr("warning: slip: plc/a (holding:100, float32) and plc/b (holding:101"));
 }
 
+TEST_F(DaemonTest, CheckWarnsOfALimitThatNoValueExceeds) {
+  std::ofstream(file, std::ios::app)
+      << "  - name: slip\n    port: { serial: /dev/none }\n    protocol: modbus-rtu\n"
+         "    devices:\n      - name: plc\n        address: 1\n        channels:\n"
+         "          - { name: a, at: \"holding:100\", type: int16, limits: { high: 40000 } }\n";
+  Process check({file, "--check"});
+  EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
+  EXPECT_THAT(check.output(), HasSubstr("warning: slip: plc/a: no value is above the limit 'high' "
+                                        "40000; its type has -32768 to 32767\n"));
+}
+
 std::string crowd(std::size_t registers, const std::string& baud, const std::string& refresh) {
   std::string text = "  - name: crowd\n    port: { serial: /dev/none, baud: " + baud +
                      " }\n    protocol: modbus-rtu\n" + "    defaults: { refresh: " + refresh +
