@@ -29,6 +29,7 @@
 #include "config/loader/loader.hpp"
 #include "core/base/message_text.hpp"
 #include "core/bus/wire/fence_setup.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "core/model/overlap.hpp"
 #include "core/model/reach.hpp"
 #include "core/schedule/bus_schedule.hpp"
@@ -99,6 +100,23 @@ void report_limits(const BridgeSpec& spec, Report warn) {
     for (std::size_t i = 0; i < std::min(limits.size(), kReported); ++i) warn(bus.name, limits[i]);
     if (limits.size() > kReported)
       warn(bus.name, fmt::format("{} more limits cannot be reached", limits.size() - kReported));
+  }
+}
+
+// Reports patterns of the store by which no sample is kept.
+void report_patterns(const BridgeSpec& spec, Report warn) {
+  if (!spec.store) return;
+  for (const std::string& text : spec.store->samples) {
+    const auto pattern = Pattern::parse(text);
+    const auto in_bus = [&](const BusSpec& bus) {
+      return std::ranges::any_of(bus.devices, [&](const DeviceSpec& device) {
+        return std::ranges::any_of(device.channels, [&](const ChannelSpec& channel) {
+          return pattern->matches(bus.name, device.name, channel.name);
+        });
+      });
+    };
+    if (pattern && std::ranges::none_of(spec.buses, in_bus))
+      warn("store", fmt::format("samples: no channel matches {}", text));
   }
 }
 
@@ -357,6 +375,7 @@ ExitCode check_configuration(const std::string& path) {
   report_overloads(*loaded, print_warning);
   report_overlaps(*loaded, print_warning);
   report_limits(*loaded, print_warning);
+  report_patterns(*loaded, print_warning);
   report_calculations(*loaded, print_warning);
   report_fences(*loaded, print, print_warning);
   if (const auto small = rate_remark(*loaded)) print_warning("dds", *small);

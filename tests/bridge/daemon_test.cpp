@@ -292,6 +292,16 @@ TEST_F(DaemonTest, CheckWarnsOfALimitThatNoValueExceeds) {
                                         "40000; its type has -32768 to 32767\n"));
 }
 
+TEST_F(DaemonTest, CheckWarnsOfAPatternOfTheStoreThatMatchesNoChannel) {
+  std::ofstream(file, std::ios::app)
+      << "store: { path: kept.db, samples: [one, two/*/oil, \"*/plc/level\"] }\n";
+  Process check({file, "--check"});
+  EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
+  EXPECT_THAT(check.output(),
+              AllOf(HasSubstr("warning: store: samples: no channel matches two/*/oil\n"),
+                    testing::Not(HasSubstr("matches one")), testing::Not(HasSubstr("*/plc"))));
+}
+
 std::string crowd(std::size_t registers, const std::string& baud, const std::string& refresh) {
   std::string text = "  - name: crowd\n    port: { serial: /dev/none, baud: " + baud +
                      " }\n    protocol: modbus-rtu\n" + "    defaults: { refresh: " + refresh +
