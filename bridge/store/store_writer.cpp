@@ -45,6 +45,9 @@ Store::Writer::Try Store::Writer::write(const Batch& batch) {
   } catch (const StoreAway& error) {
     close(error);
     return Try::kAway;
+  } catch (const StoreBusy& error) {
+    close(error);
+    return Try::kAway;
   } catch (const StoreError& error) {
     const Try failed = connection_ ? Try::kRefused : Try::kAway;
     close(error);

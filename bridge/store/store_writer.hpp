@@ -25,7 +25,7 @@ class Store::Writer {
         mutex_(mutex),
         retention_(spec) {}
 
-  // Writes the batch or nothing. kAway: the database is unavailable, or its disk is full.
+  // Writes the batch or nothing. kAway: the database is unavailable or locked, or its disk is full.
   enum class Try : unsigned char { kWritten, kRefused, kAway };
   [[nodiscard]] Try write(const Batch& batch);
   [[nodiscard]] const RefusedRows& refused() const { return refused_; }

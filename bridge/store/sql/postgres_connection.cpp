@@ -182,17 +182,21 @@ class PostgresConnection final : public SqlConnection {
     return "store " + masked_address_ + ": " + one_line(PQresultErrorMessage(result));
   }
 
+  // From the appendix of error codes: lock_not_available.
+  static constexpr std::string_view kLockTimeout = "55P03";
+
   // The first error in a response.
   struct Problem {
     std::string text;
     bool away = false;
     bool too_slow = false;
     bool refused = false;
+    bool busy = false;
   };
   void note(Problem& problem, const PGresult* result) const {
     if (problem.text.empty())
       problem = {text_of(result), is_away(result), state_of(result) == "57014",
-                 is_refused(state_of(result))};
+                 is_refused(state_of(result)), state_of(result) == kLockTimeout};
   }
   // postgresql.org/docs/current/errcodes-appendix.html: classes 22, data exception, 23, integrity
   // constraint violation, and 54, program limit exceeded.
@@ -202,6 +206,7 @@ class PostgresConnection final : public SqlConnection {
   static void raise_if_any(const Problem& problem) {
     if (problem.too_slow) throw StoreTooSlow(problem.text);
     if (problem.away) throw StoreAway(problem.text);
+    if (problem.busy) throw StoreBusy(problem.text);
     if (problem.refused) throw StoreRowRefused(problem.text);
     if (!problem.text.empty()) throw StoreError(problem.text);
   }
@@ -313,7 +318,7 @@ std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
   const char* const values[] = {"5",
                                 "10000",
                                 "fieldcast",
-                                "-c statement_timeout=10s -c lock_timeout=10s "
+                                "-c statement_timeout=10s -c lock_timeout=8s "
                                 "-c plan_cache_mode=force_generic_plan",
                                 address.text().c_str(),
                                 nullptr};

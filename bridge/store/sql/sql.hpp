@@ -47,6 +47,12 @@ class StoreAway : public StoreError {
   using StoreError::StoreError;
 };
 
+// Another connection holds a lock for too long.
+class StoreBusy : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
 // A statement exceeded limit().
 class StoreTooSlow : public StoreError {
  public:

@@ -100,6 +100,7 @@ class SqliteConnection final : public SqlConnection {
     const int code = sqlite3_errcode(database_.get());
     if (code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR)
       throw StoreAway(text);
+    if (code == SQLITE_BUSY) throw StoreBusy(text);
     if (code == SQLITE_INTERRUPT) throw StoreTooSlow(text);
     if (code == SQLITE_CONSTRAINT || code == SQLITE_MISMATCH || code == SQLITE_TOOBIG)
       throw StoreRowRefused(text);

@@ -182,6 +182,28 @@ TEST(PostgresStore, ThatCanOnlyBeReadIsWaitedForAndLosesNothing) {
   });
 }
 
+TEST(PostgresStore, ThatIsLockedIsWaitedForAndLosesNothing) {
+  test::with_postgres([](test::PostgresServer& server) {
+    const auto other = open_store(server.address(), IfMissing::kCreate);
+    waits_while_it_is_full(
+        StoreAddress(server.address().text() + "&options=-c%20lock_timeout%3D50ms"),
+        [&] { other->script("begin; lock table open_buckets in access exclusive mode"); },
+        [&] { other->script("rollback"); });
+  });
+}
+
+TEST(SqliteStore, ThatIsLockedIsBusy) {
+  const test::Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  const auto other = open_store(address, IfMissing::kCreate);
+  const auto connection = open_store(address, IfMissing::kFail);
+  connection->script("pragma busy_timeout = 10");
+  other->script("begin immediate");
+  EXPECT_THROW(EventTable(*connection).insert(AuditEntry{.who = "ann"}), StoreBusy);
+  other->script("rollback");
+  EventTable(*connection).insert(AuditEntry{.who = "ann"});
+}
+
 // Tests an SQLite store that the bridge (two connections) and a command line have open.
 
 std::size_t entries_of(const StoreAddress& address) {
