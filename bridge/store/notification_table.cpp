@@ -118,9 +118,9 @@ std::optional<QueuedNotification> NotificationTable::next(const std::string& tar
   std::optional<QueuedNotification> found;
   connection_.query(
       "select id, recipient, made_at, subject, content, json, attempts, attachment_name, "
-      "attachment from notifications where state = 'waiting' and target = $1 and next_at <= $2 "
-      "order by next_at, made_at, id limit 1",
-      {target, now.nanoseconds}, [&](const SqlRow& row) {
+      "attachment from notifications where state = 'waiting' and target = $1 and "
+      "(next_at <= $2 or next_at > $3) order by next_at, made_at, id limit 1",
+      {target, now.nanoseconds, now.nanoseconds + kLongestPause.count()}, [&](const SqlRow& row) {
         QueuedNotification& message = found.emplace();
         message.id = text_at(row, 0);
         message.target = target;

@@ -19,6 +19,8 @@ class NotificationTable {
   static constexpr Duration kKept = std::chrono::hours{7 * 24};
   // Progress of alarms that were closed longer ago is removed.
   static constexpr Duration kKeptProgress = std::chrono::hours{60 * 24};
+  // Between two attempts for a message.
+  static constexpr Duration kLongestPause = std::chrono::minutes{10};
 
   explicit NotificationTable(SqlConnection& connection) : connection_(connection) {}
 
@@ -34,7 +36,8 @@ class NotificationTable {
   [[nodiscard]] std::uint64_t drop_oldest(std::uint64_t most, UtcTime now);
   // Ends waiting messages made before `oldest` as "expired". Returns their number.
   [[nodiscard]] std::uint64_t expire(UtcTime oldest, UtcTime now);
-  // The waiting message of the target that is due for the longest time; empty if none is due.
+  // The waiting message of the target that is due for the longest time; empty if none is due. One
+  // that would wait for more than kLongestPause is due: the clock was set back.
   [[nodiscard]] std::optional<QueuedNotification> next(const std::string& target, UtcTime now);
   void sent(const std::string& id, UtcTime now);
   void failed(const std::string& id, const std::string& error, UtcTime next_at);

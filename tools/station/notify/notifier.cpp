@@ -16,7 +16,6 @@ constexpr std::chrono::seconds kTurn{1};              // period of the rules
 constexpr std::chrono::milliseconds kLook{250};       // of new messages
 constexpr Duration kIdle = std::chrono::seconds{10};  // until the store is read without news
 constexpr Duration kFirstPause = std::chrono::seconds{2};
-constexpr Duration kLongestPause = std::chrono::minutes{10};       // of a message
 constexpr Duration kLongestTargetPause = std::chrono::minutes{1};  // of a target
 constexpr Duration kTidy = std::chrono::minutes{1};
 
@@ -132,7 +131,8 @@ std::optional<bool> Notifier::send_next(const NotifyTarget& target) {
     outbox_.sent(message->id, now);
   else
     outbox_.failed(message->id, delivered.error(),
-                   {now.nanoseconds + pause_after(message->attempts, kLongestPause).count()});
+                   {now.nanoseconds +
+                    pause_after(message->attempts, NotificationTable::kLongestPause).count()});
   return delivered.has_value();
 }
 

@@ -99,6 +99,15 @@ TEST(Outbox, AMessageIsKeptForItsTimeAndThenExpires) {
   EXPECT_EQ(next_id(outbox, after(kDay + seconds{1})), "new");
 }
 
+TEST(Outbox, WaitsNoLongerWhenTheClockIsSetBack) {
+  const Scratch scratch;
+  Outbox outbox(StoreAddress(scratch.path("store.db")), 10, kDay);
+  ASSERT_TRUE(outbox.commit({}, {queued("one")}, kMade));
+  outbox.failed("one", "no route", after(minutes{10}));
+  EXPECT_EQ(next_id(outbox, kMade), "");
+  EXPECT_EQ(next_id(outbox, after(-hours{1})), "one");
+}
+
 // A message that was sent, but could not be stored as sent, holds its target until it is stored.
 TEST(Outbox, WaitsUntilItIsStoredThatAMessageWasSent) {
   const Scratch scratch;
