@@ -199,6 +199,31 @@ TEST_F(QueueTest, ThenTheOldestSamplesAreDroppedThenAlarmsAndTheAuditLast) {
   for (const Record& record : all(queue)) EXPECT_EQ(record.kind, RecordKind::kAudit);
 }
 
+TEST_F(QueueTest, RecordsWhoseThinningFailedAreThinnedLater) {
+  { Queue queue = open(); }
+  open_sqlite(path, IfMissing::kFail)
+      ->script(
+          "create trigger full before update of body on records "
+          "when (select epoch from positions where name = 'full') = 1 "
+          "begin select raise(fail, 'full'); end");
+  Queue queue = open(5'000);
+  const auto set_full = [&](std::uint64_t full) {
+    const NamedPosition position{"full", {full, 0}};
+    queue.append({}, std::span(&position, 1), kNow);
+  };
+  set_full(1);
+  const auto append_minutes = [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t i = from; i < to; ++i) append(queue, record_of(seconds(60 * i, 60 * i + 60)));
+  };
+  EXPECT_THROW(append_minutes(0, 1000), StoreError);
+  set_full(0);
+  append_minutes(1000, 1001);
+  const auto records = all(queue);
+  ASSERT_FALSE(records.empty());
+  EXPECT_EQ(records[0].id, 1u);
+  EXPECT_EQ(records[0].samples, 1u);
+}
+
 TEST_F(QueueTest, OldRecordsAreDroppedIfTheirAgeIsBounded) {
   constexpr Duration kHour = std::chrono::hours{1};
   Queue queue = open(10'000'000, kHour);

@@ -172,8 +172,14 @@ void Queue::append_all(std::span<const Record> records, std::span<const NamedPos
     connection_->execute(kKeepPosition, SqlRow{each.name, as_integer(each.position.epoch),
                                                as_integer(each.position.sequence)});
   for (const GapChange& change : gaps) keep(change);
-  make_space(counters);
-  transaction.commit();
+  try {
+    make_space(counters);
+    transaction.commit();
+  } catch (const StoreError&) {
+    thinning_ = {};  // the rollback restores the samples
+    thinned_to_ = 0;
+    throw;
+  }
   counters_ = counters;
 }
 
