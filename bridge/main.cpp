@@ -162,9 +162,9 @@ constexpr const char* kOpen = "security: none: every program in the network can 
 class Reloader {
  public:
   static constexpr Duration kTryAgain = std::chrono::milliseconds{250};
+  static constexpr Duration kStartAgain = std::chrono::seconds{2};
   static constexpr Duration kSayAgain = std::chrono::minutes{1};
   static constexpr Duration kGiveUp = std::chrono::hours{1};
-  static constexpr const char* kRefused = "not reloaded: the old configuration goes on running";
 
   // `running`: buses_text() of the configuration that the bridge started with.
   Reloader(Bridge& bridge, ConfigurationService& configuration, IdentityWatch& identity,
@@ -184,13 +184,13 @@ class Reloader {
       for (const config::Fault& fault : loaded.error())
         log_error("configuration", config::to_text(fault));
       configuration_.reloaded(config::to_text(loaded.error().front()));
-      return refuse(kRefused);
+      return refuse_file();
     }
     const JoinCheck joining = check_joining(*loaded);
     log_joining(joining);
     if (!joining.faults.empty()) {
       configuration_.reloaded(joining.faults.front().text);
-      return refuse(kRefused);
+      return refuse_file();
     }
     open_log(loaded->log.level);
     report_overloads(*loaded, log_warning);
@@ -200,16 +200,34 @@ class Reloader {
   // Joins the domain again with the running configuration, or with that of the reload that waits.
   void join_again() {
     bridge_.was_removed();
-    begin_with(waits() ? *wanted_ : bridge_.running());
+    begin_with(waits() ? *wanted_ : bridge_.configuration());
   }
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
+  // Longest time until go_on() or start_again() must be called.
+  [[nodiscard]] Duration sleep() const {
+    return waits() ? kTryAgain : is_down_ ? kStartAgain : kHousekeeping;
+  }
+  [[nodiscard]] bool is_down() const { return is_down_; }
+  // The reload failed, and so did the return to the old configuration.
+  void start_again() {
+    if (const auto started = bridge_.start_again(); !started) return;
+    is_down_ = false;
+    log_info("configuration", "the old configuration runs again");
+  }
   [[nodiscard]] std::string status() const {
+    if (is_down_) return "no bus runs: the last reload failed, the log says why";
     if (refused_) return running_ + "; the last reload was refused, the log says why";
     return waits() ? running_ + "; a reload waits for the end of programming" : running_;
   }
   void go_on() {
     const auto done = bridge_.reload(*wanted_);
+    is_down_ = !bridge_.is_running();
     if (!done) configuration_.reloaded(done.error());
+    if (!done && is_down_)
+      return refuse(
+          fmt::format("not reloaded, and the old configuration does not start again, so "
+                      "no bus runs; that is tried every {}: {}",
+                      to_text(kStartAgain), done.error()));
     if (!done)
       return refuse("not reloaded, the old configuration goes on running: " + done.error());
     if (done->waits_for.empty()) {
@@ -241,6 +259,10 @@ class Reloader {
     say_at_ = begun_;
     go_on();
   }
+  void refuse_file() {
+    refuse(is_down_ ? "not reloaded: no bus runs"
+                    : "not reloaded: the old configuration goes on running");
+  }
   void refuse(const std::string& why) {
     wanted_.reset();
     refused_ = true;
@@ -254,6 +276,7 @@ class Reloader {
   std::string running_;
   std::optional<BridgeSpec> wanted_;  // set while the reload waits
   bool refused_ = false;              // the last reload was refused
+  bool is_down_ = false;              // nothing runs
   Instant begun_{}, say_at_{};
 };
 
@@ -307,13 +330,17 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   service.ready(reloader.status());
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
-    const Duration sleep = service.sleep(reloader.waits() ? Reloader::kTryAgain : kHousekeeping);
+    const Duration sleep = service.sleep(reloader.sleep());
     const int signal = signals.wait(sleep);
     if (identity.was_removed(signals.suspended())) reloader.join_again();
     switch (signal) {
       case 0:
         log_summaries(steady_now());
         identity.look(read_clocks().utc);
+        if (reloader.is_down()) {
+          reloader.start_again();
+          if (!reloader.is_down()) service.status(reloader.status());
+        }
         if (!reloader.waits()) break;
         reloader.go_on();
         if (!reloader.waits()) service.status(reloader.status());

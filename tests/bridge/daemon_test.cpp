@@ -217,6 +217,51 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
+// Invalid if another program listens there.
+FileDescriptor listening_at(std::uint16_t port) {
+  FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const bool listens =
+      ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      ::listen(fd.get(), 1) == 0;
+  return listens ? std::move(fd) : FileDescriptor{};
+}
+
+TEST_F(DaemonTest, AReloadThatLeavesNothingRunningSaysSoUntilTheOldConfigurationRunsAgain) {
+  test::ModbusDevice device(pty);
+  const std::uint16_t own = test::free_port(), wanted = test::free_port();
+  const auto configure = [&](const std::string& name, std::uint16_t port) {
+    std::ofstream(file) << "bridge: " << name << "\n"
+                        << "dds: { domain: " << domain.number() << " }\n"
+                        << "program: { engineers: { listen: \"127.0.0.1:" << port << "\" } }\n"
+                        << "buses:\n"
+                        << bus("one", pty.path(), "holding:0");
+  };
+  configure("test", own);
+  Process bridge({file});
+  bridge.said("running: 1 bus");
+  const FileDescriptor taken = listening_at(wanted);
+  configure("other", wanted);
+  bridge.signal(SIGHUP);
+  // The port is free while the bridge tries to start with the new file.
+  FileDescriptor also_taken;
+  const auto deadline = std::chrono::steady_clock::now() + seconds{15};
+  while (!also_taken.valid() && std::chrono::steady_clock::now() < deadline)
+    also_taken = listening_at(own);
+  ASSERT_TRUE(also_taken.valid());
+  EXPECT_THAT(bridge.said("not reloaded"),
+              AllOf(HasSubstr("the old configuration does not start again, so no bus runs"),
+                    testing::Not(HasSubstr("goes on running"))));
+  also_taken.reset();
+  EXPECT_THAT(bridge.said("runs again"), HasSubstr("the old configuration runs again"));
+  EXPECT_TRUE(reads_more(device, 3));
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
+}
+
 TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
   test::ModbusDevice device(pty);
   Process bridge({file});
