@@ -40,6 +40,7 @@ class Readings {
     for (const AlarmChange& change : changes) alarm_ = change.state == AlarmState::kActive;
     return !samples.empty();
   }
+  void want(Duration refresh) { table_.set_refresh(0, refresh, now_); }
   [[nodiscard]] bool alarm() const { return alarm_; }
 
  private:
@@ -78,6 +79,16 @@ TEST(Deadband, AValueAcrossALowLimitIsPublished) {
   EXPECT_TRUE(level.read(12));
   EXPECT_FALSE(level.alarm());
   EXPECT_FALSE(level.read(13));
+}
+
+// Regression: the interest promises each of its refreshes to DDS, whatever the heartbeat.
+TEST(Deadband, AChannelOnInterestIsPublishedAtEachRefresh) {
+  BusSpec bus = one_channel({ValueType::kUint16}, 5);
+  bus.devices[0].channels[0].on_interest = true;
+  Readings level(bus);
+  level.want(1s);
+  EXPECT_TRUE(level.read(79));
+  EXPECT_TRUE(level.read(79));
 }
 
 // Regression: both values are equal as doubles.

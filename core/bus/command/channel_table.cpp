@@ -138,6 +138,7 @@ void ChannelTable::queue(ChannelIndex channel) {
 
 bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acquired) const {
   if (!entry.spec->deadband || entry.last.quality != Quality::kGood) return false;
+  if (entry.spec->on_interest) return false;  // its promise is the refresh of the interest
   if (moved(value, entry.last.value, *entry.spec->deadband)) return false;
   if (crosses_limit(value, entry.last.value, entry.spec->limits)) return false;
   const Duration heartbeat = entry.spec->heartbeat.value_or(entry.spec->refresh);
