@@ -29,13 +29,13 @@ TEST(BitWrite, ARepeatedWriteKeepsTheOtherBitsThatWereReadLast) {
 
   auto job = CommandJob::make(command, device, 0, 0, *protocol);
   ASSERT_TRUE(job) << job.error().reason;
-  job->responded(items({0x00, 0x00}));
+  job->responded(items({0x00, 0x00}), {});
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x00, 0x08}));
   job->failed(Cause::kNoResponse, 0);
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->responded(items({0x01, 0x10}));  // the device has set two bits of its own
+  job->responded(items({0x01, 0x10}), {});  // the device has set two bits of its own
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x01, 0x18}));
-  job->responded({{}});
+  job->responded({{}}, {});
   EXPECT_FALSE(job->next());
   EXPECT_EQ(job->result({}, {}).state, CommandState::kDone);
 }
