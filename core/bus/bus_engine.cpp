@@ -212,10 +212,13 @@ void BusEngine::handle(const LeaseBegan&, Instant now, ActionSink& sink) {
   sink.publish_uncounted(std::move(last));
 }
 
+// The response to the last request of the engineer may still arrive.
 void BusEngine::handle(const LeaseEnded&, Instant now, ActionSink& sink) {
   if (state_ != BusState::kLeased) return;
-  handle(Opened{}, now, sink);
-  parts_.channels.start(now);
+  Duration longest{};
+  for (const DeviceSpec& device : spec().devices) longest = std::max(longest, device.timeout);
+  handle(Opened{now + longest}, now, sink);
+  parts_.channels.start(now + longest);
 }
 
 void BusEngine::handle(const StopRequested&, Instant now, ActionSink& sink) {

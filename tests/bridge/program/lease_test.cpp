@@ -21,7 +21,7 @@ SerialPortSpec serial_at(const std::string& path) {
   return port;
 }
 
-TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainImmediately) {
+TEST_F(Lease, ASerialBusIsLeasedAndReadsAgain) {
   Pty pty;
   auto device = std::make_unique<ModbusDevice>(pty);
   start();
