@@ -232,7 +232,6 @@ std::uint8_t exception_code(const CommandResult& result, bool modbus) {
     case Cause::kLeased:
     case Cause::kForeignMaster: return code(Exception::kBusy);
     case Cause::kUnknownDevice:
-    case Cause::kPortClosed:
     case Cause::kShutdown: return code(Exception::kNoPath);
     case Cause::kNoResponse:
     case Cause::kTruncated:
@@ -240,6 +239,7 @@ std::uint8_t exception_code(const CommandResult& result, bool modbus) {
     case Cause::kMalformed:
     case Cause::kForeign:
     case Cause::kOverlong:
+    case Cause::kPortClosed:
     case Cause::kOffline: return code(Exception::kNoResponse);
     default: return code(Exception::kDeviceFailure);
   }

@@ -206,10 +206,10 @@ TEST(ServerCodec, EachCauseHasItsException) {
       {Exception::kBusy,
        {Cause::kExpired, Cause::kQueueFull, Cause::kRateLimited, Cause::kLeased,
         Cause::kForeignMaster}},
-      {Exception::kNoPath, {Cause::kUnknownDevice, Cause::kPortClosed, Cause::kShutdown}},
+      {Exception::kNoPath, {Cause::kUnknownDevice, Cause::kShutdown}},
       {Exception::kNoResponse,
        {Cause::kNoResponse, Cause::kTruncated, Cause::kChecksum, Cause::kMalformed, Cause::kForeign,
-        Cause::kOverlong, Cause::kOffline}},
+        Cause::kOverlong, Cause::kPortClosed, Cause::kOffline}},
       {Exception::kDeviceFailure, {Cause::kNotVerified}}};
   for (const auto& [exception, causes] : kExceptions) {
     for (const Cause cause : causes) EXPECT_EQ(code_of(cause), exception) << to_text(cause);
