@@ -125,6 +125,7 @@ void Engineer::handle(const DeviceLost& event, Instant now, Actions& actions) {
   if (paired()) {
     end_pairing("the device is lost: " + event.reason, true, now, actions);
   } else if (state_ == State::kTaking) {
+    actions.push_back(FreeDevice{});
     refuse(Reply::kNotOnline, event.reason, now, actions);
   }
 }

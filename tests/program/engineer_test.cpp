@@ -50,6 +50,7 @@ TEST(Engineer, ADeviceThatIsLostBeforeItIsGivenIsNotOnline) {
   b.sends("@@17FEFF");
   b.tell(DeviceLost{"unplugged"});
   EXPECT_EQ(b.received(), "@@0001FEFF");
+  EXPECT_EQ(b.freed, 1) << "others may request it";
   b.pair("@@18FEFF");
 }
 
