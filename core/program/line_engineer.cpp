@@ -86,7 +86,7 @@ void LineEngineer::read(ByteView bytes, Instant now, Actions& actions) {
   telnet::LineActions found;
   Bytes to_client;
   server_.on_bytes(bytes, found, to_client);
-  if (!to_client.empty()) actions.push_back(ToClient{std::move(to_client)});
+  respond(std::move(to_client), actions);
   for (auto& each : found) {
     if (over()) return;
     if (const auto* change = std::get_if<telnet::LineChange>(&each)) {
@@ -108,7 +108,16 @@ void LineEngineer::execute(const telnet::LineChange& change, Actions& actions) {
   set_ |= 1u << static_cast<unsigned>(change.kind);
   Bytes to_client;
   server_.on_changed(change, true, to_client);
-  actions.push_back(ToClient{std::move(to_client)});
+  respond(std::move(to_client), actions);
+}
+
+void LineEngineer::respond(Bytes response, Actions& actions) {
+  if (response.empty()) return;
+  unread_ = client_stuck_ == kNever ? 0 : unread_ + response.size();
+  actions.push_back(ToClient{std::move(response)});
+  if (unread_ > kMaxResponses)
+    close({Remark::Kind::kDropped, "the client sends requests but reads no responses"}, {},
+          actions);
 }
 
 void LineEngineer::to_device(Bytes bytes, Instant now, Actions& actions) {
@@ -201,7 +210,7 @@ void LineEngineer::handle(const LineChanged& event, Instant, Actions& actions) {
   if (state_ != State::kPaired) return;
   Bytes out;
   server_.on_changed(event.change, event.done, out);
-  actions.push_back(ToClient{std::move(out)});
+  respond(std::move(out), actions);
 }
 
 void LineEngineer::handle(const LineState& event, Instant, Actions& actions) {

@@ -15,6 +15,8 @@ class LineEngineer {
   static constexpr Duration kStuckWait = Engineer::kStuckWait;
   static constexpr std::size_t kMaxEarly = Engineer::kMaxEarly;
   static constexpr Duration kPromptWait = std::chrono::minutes{1};  // for user and password
+  // More responses to a client whose queue is full end the connection.
+  static constexpr std::size_t kMaxResponses = 65536;
 
   // REQUIRES: rules.port.
   LineEngineer(const EngineerRules& rules, Instant now);
@@ -50,6 +52,7 @@ class LineEngineer {
   void begin(Actions& actions);
   void read(ByteView bytes, Instant now, Actions& actions);
   void execute(const telnet::LineChange& change, Actions& actions);
+  void respond(Bytes response, Actions& actions);
   void type(ByteView bytes, Actions& actions);
   void entered(Actions& actions);
   void to_device(Bytes bytes, Instant now, Actions& actions);
@@ -67,8 +70,9 @@ class LineEngineer {
   Bytes early_;              // received before the device was given
   std::string line_, user_;  // typed at the prompt
   bool after_return_ = false;
-  unsigned set_ = 0;   // bits by telnet::Kind: set before the device was given
-  bool held_ = false;  // the client has suspended data
+  unsigned set_ = 0;        // bits by telnet::Kind: set before the device was given
+  bool held_ = false;       // the client has suspended data
+  std::size_t unread_ = 0;  // bytes of responses since the client's queue is full
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant login_until_, worked_at_;
   Instant client_stuck_ = kNever, device_stuck_ = kNever;

@@ -281,6 +281,39 @@ TEST_F(LineEngineerTest, ADeviceThatTakesNoBytesEndsTheSession) {
   EXPECT_THAT(remark_, HasSubstr("the device takes no bytes for 60s"));
 }
 
+// Otherwise a client that has not logged in could fill the memory.
+TEST_F(LineEngineerTest, AClientThatReadsNoResponsesIsDisconnected) {
+  make(true, true);
+  said();
+  const Bytes signature = hex(option("00"));
+  const auto request = [&] {
+    for (std::size_t sent = 0; sent <= LineEngineer::kMaxResponses; sent += signature.size())
+      send(signature);
+  };
+  request();
+  EXPECT_EQ(hung_up_, 0) << "it reads them";
+  tell(ClientTakes{false});
+  tell(ClientTakes{true});
+  request();
+  EXPECT_EQ(hung_up_, 0) << "it reads them again";
+  said();
+  tell(ClientTakes{false});
+  request();
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_THAT(remark_, HasSubstr("reads no responses"));
+  EXPECT_LT(to_client_.size(), LineEngineer::kMaxResponses + 100);
+}
+
+TEST_F(LineEngineerTest, AClientThatReadsNoResponsesToItsChangesFreesTheDevice) {
+  make(true);
+  give();
+  tell(ClientTakes{false});
+  for (std::size_t i = 0; i < LineEngineer::kMaxResponses / 4 && hung_up_ == 0; ++i)
+    tell(LineChanged{{Kind::kPurge, 1}, true});
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_EQ(freed_, 1);
+}
+
 TEST_F(LineEngineerTest, TheRemarkSaysWhenTheClientDisconnected) {
   make(true, true);
   tell(ClientGone{"reset"});
