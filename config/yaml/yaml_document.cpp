@@ -16,6 +16,8 @@
 namespace fieldcast::config {
 namespace {
 
+constexpr auto kNone = std::string_view::npos;
+
 struct Abandoned {};  // thrown after a fault that ends the parsing
 
 void add(FaultList& faults, const YamlError& error) {
@@ -215,13 +217,50 @@ class Builder {
   unsigned documents_ = 0;
 };
 
+// The library takes these for the end of a line, or refuses them.
+std::string_view replacement(std::string_view text) {
+  if (text[0] == '\r') return text.starts_with("\r\n") ? "" : " ";
+  if (text.size() > 1 && text[0] == '\xC2' && (text[1] & 0xE0) == 0x80)  // U+0080 to U+009F
+    return "\u00A0";
+  if (text.starts_with("\u2028") || text.starts_with("\u2029")) return "\u202F";
+  if (text.starts_with("\uFFFE") || text.starts_with("\uFFFF")) return "\uFFFD";
+  return "";
+}
+
+// Returns the end of the blanks of a line in which YAML allows tabs and the library refuses them:
+// before a comment, the end of brackets or nothing, and behind the '-' of an item.
+std::size_t end_of_blanks(std::string_view line) {
+  const auto content = std::min(line.find_first_not_of(" \t"), line.size());
+  if (content == line.size() || std::string_view("\r#,]}").find(line[content]) != kNone)
+    return content;
+  const std::string_view before = line.substr(0, content), item = line.substr(content, 2);
+  const bool is_item = (item == "- " || item == "-\t") && before.find('\t') == kNone;
+  return is_item ? std::min(line.find_first_not_of("- \t", content), line.size()) : 0;
+}
+
+// The text for the library, with the same lines and columns.
+std::string readable(std::string text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto character = replacement(std::string_view(text).substr(at));
+    text.replace(at, character.size(), character);
+  }
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const auto line = text.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto blanks = end_of_blanks(std::string_view(text).substr(begin, end - begin));
+    std::replace(line, line + static_cast<std::ptrdiff_t>(blanks), '\t', ' ');
+    begin = end + 1;
+  }
+  return text;
+}
+
 class Parser {
  public:
-  explicit Parser(std::string_view text) {
+  explicit Parser(const std::string& source) : text_(readable(source)) {
     if (yaml_parser_initialize(&parser_) == 0) throw std::bad_alloc();
     yaml_parser_set_encoding(&parser_, YAML_UTF8_ENCODING);
-    yaml_parser_set_input_string(&parser_, reinterpret_cast<const yaml_char_t*>(text.data()),
-                                 text.size());
+    yaml_parser_set_input_string(&parser_, reinterpret_cast<const yaml_char_t*>(text_.data()),
+                                 text_.size());
   }
   ~Parser() {
     yaml_event_delete(&event_);
@@ -247,6 +286,7 @@ class Parser {
   }
 
  private:
+  const std::string text_;
   yaml_parser_t parser_{};
   yaml_event_t event_{};
 };

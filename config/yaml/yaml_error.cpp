@@ -145,6 +145,9 @@ Found sign_that_begins_no_value(const Case& c) {
                     (c.says("expected node content") && c.line().text[at] == '-');
   if (!alias && !dash && !comma && !c.says("cannot start any token")) return {};
   const std::string sign(1, c.line().text[at]);
+  if (sign == "&")
+    return YamlError{c.position(c.line(), at), "a name behind '&' that is not allowed",
+                     "letters of a to z, digits, '-' and '_', or a text that begins so in quotes"};
   return YamlError{
       c.position(c.line(), at),
       dash ? "'-' begins an item of a list, which has a line of its own"
@@ -241,7 +244,8 @@ Found key_inside_the_value_above(const Case& c) {
 Found colon_inside_a_value(const Case& c) {
   const auto text = c.line().text;
   const std::size_t at = c.stopped.column;
-  if (at >= text.size() || text[at] != ':' || (!c.in_brackets() && !c.misplaced_colon())) return {};
+  if (at >= text.size() || text[at] != ':') return {};
+  if (!c.in_brackets() && !c.misplaced_colon() && !c.says("unexpected ':'")) return {};
   std::size_t begin = c.line().content;
   if (!c.scan.open.empty()) {
     const auto sign = text.substr(0, at).find_last_of(",[{");
@@ -356,6 +360,7 @@ constexpr std::array kWords{
     Words{"document", "a line that begins with '---' or '...'", "one document"},
     Words{"control characters", "a control character", "text in UTF-8"},
     Words{"tag", "a '!', which begins a tag", "no tags; texts that begin so in quotes"},
+    Words{"unexpected ':'", "a ':' without a value behind it", "key: value, or the text in quotes"},
     Words{"',' or '}'", "neither ',' nor '}' behind a value", "{ key: value, .. }"},
     Words{"',' or ']'", "neither ',' nor ']' behind a value", "[ value, .. ]"},
     Words{"expected key", "no key can stand here", "key: value, indented like the keys above"},
