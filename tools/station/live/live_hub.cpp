@@ -193,7 +193,7 @@ void LiveClient::handle(const ClientMessage& message, Instant now) {
     JsonObject pong;
     pong.add("kind", "pong");
     if (message.id) pong.add("id", *message.id);
-    peer_.send_text(pong.take());
+    peer_.send_text(pong.add("now_ms", unix_ms(context_.utc_now())).take());
   }
   if (refusal) refuse(message.id, *refusal);
 }

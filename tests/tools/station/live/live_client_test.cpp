@@ -294,7 +294,7 @@ TEST_F(LiveClientTest, AResultOfARequestByHttpIsReportedToItsUser) {
 TEST_F(LiveClientTest, APingGetsAResponse) {
   anna.texts();
   anna.say(R"({"ping": 5})");
-  EXPECT_THAT(anna.texts(), ElementsAre(R"({"kind":"pong","id":5})"));
+  EXPECT_THAT(anna.texts(), ElementsAre(R"({"kind":"pong","id":5,"now_ms":7})"));
 }
 
 TEST_F(LiveClientTest, TwentyMessagesASecondAndNoMore) {
@@ -303,7 +303,7 @@ TEST_F(LiveClientTest, TwentyMessagesASecondAndNoMore) {
   EXPECT_THAT(anna.texts().back(), HasSubstr("too many messages"));
   anna.wait(milliseconds{50});
   anna.say(R"({"ping": 6})");
-  EXPECT_THAT(anna.texts(), ElementsAre(R"({"kind":"pong","id":6})"));
+  EXPECT_THAT(anna.texts(), ElementsAre(R"({"kind":"pong","id":6,"now_ms":7})"));
 }
 
 TEST_F(LiveClientTest, AFloodEndsTheConnection) {

@@ -129,7 +129,8 @@ export class InventedPlant {
 }
 
 export function encodeFrame(channels) {
-  const n = channels.length, bytes = new ArrayBuffer(16 + 17 * n), head = new DataView(bytes), base = Date.now();
+  const n = channels.length, bytes = new ArrayBuffer(16 + 17 * n), head = new DataView(bytes);
+  const base = channels.reduce((newest, channel) => Math.max(newest, channel.acquired_ms), 0);
   head.setUint8(0, 1);
   head.setUint32(4, n, true);
   head.setFloat64(8, base, true);
@@ -138,7 +139,7 @@ export function encodeFrame(channels) {
   channels.forEach((channel, row) => {
     value[row] = channel.text === null ? channel.value : NaN;
     id[row] = channel.id;
-    age[row] = channel.quality === 7 ? 0xffffffff : Math.max(0, base - channel.acquired_ms);
+    age[row] = channel.quality === 7 ? 0xffffffff : base - channel.acquired_ms;
     quality[row] = channel.quality;
   });
   return bytes;
@@ -339,7 +340,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
       client.on('message', (data) => {
         const message = JSON.parse(data);
         const answer = (reply) => send({ id: message.id, ...reply });
-        if (message.ping !== undefined && !mock.silent) send({ kind: 'pong', id: message.ping });
+        if (message.ping !== undefined && !mock.silent) send({ kind: 'pong', id: message.ping, now_ms: Date.now() });
         else if (message.write && !mayOperate(me)) answer({ kind: 'refused', error: 'the role operator is needed', hint: 'Log in as an operator.' });
         else if (message.write) write(me.user, message.write, answer);
         else if (message.acquire) setTimeout(() => answer({ kind: 'result', request_id: nextRequest++, state: 'done', cause: 'NONE', reason: '', value: 1, completed_ms: Date.now() }), 20);

@@ -105,11 +105,11 @@ test('marks that turn the writing direction are shown escaped', () => {
 });
 
 test('a frame is read where it lies', () => {
-  const read = frame.parseFrame(encodeFrame([sample(7, 1.5), sample(9, -2, { quality: 3 })]));
+  const read = frame.parseFrame(encodeFrame([sample(7, 1.5, { acquired_ms: 5000 }), sample(9, -2, { quality: 3, acquired_ms: 5040 })]));
   assert.deepEqual([...read.id], [7, 9]);
   assert.deepEqual([...read.value], [1.5, -2]);
   assert.deepEqual([...read.quality], [0, 3]);
-  assert.ok(read.age_ms[0] >= 40 && read.age_ms[0] < 1000);
+  assert.deepEqual([read.base_ms, ...read.age_ms], [5040, 40, 0]);
 });
 
 test('bytes that are no frame are refused', () => {

@@ -216,7 +216,10 @@ export class Live {
         this.settle(this.asked, Number(message['id']), new Refused(String(message['error']), String(message['hint'] ?? '')));
         break;
       case 'lag': this.dropped += Number(message['dropped_frames']) || 0; break;
-      case 'pong': this.roundTrip_ms = performance.now() - this.pingSent; break;
+      case 'pong':
+        this.roundTrip_ms = performance.now() - this.pingSent;
+        this.clock.observe(Number(message['now_ms']));
+        break;
     }
   }
 

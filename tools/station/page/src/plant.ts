@@ -55,7 +55,7 @@ export class Plant {
   stamp = new Uint32Array(0);  // the turn of the channel's last change
   turn = 1;  // grows with each frame
   samples = 0;
-  base_ms = 0;  // the station's clock when it made the last frame
+  base_ms = 0;  // the newest acquisition of the last frame; 0: it had no values
   qualityChanges = 0;  // grows when the quality of any channel changes
   readonly texts = new Map<number, string>();  // values that are not plain numbers
   readonly channels = new Map<number, Channel>();
