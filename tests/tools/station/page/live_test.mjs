@@ -93,3 +93,18 @@ test('ages grow while no fresh value arrives', async () => {
   assert.equal(page.now() - acquired_ms, 600_000);
 });
 
+test('a result of a former connection is not that of a later request', async () => {
+  const page = await connect();
+  sockets[0].say({ kind: 'result', request_id: 7, state: 'done' });
+  sockets[0].onclose();
+  await pass(1000);
+  await join();
+  let result;
+  void page.resultOf(7).then((told) => { result = told; });
+  await settled();
+  assert.equal(result, undefined);
+  sockets.at(-1).say({ kind: 'result', request_id: 7, state: 'rejected' });
+  await settled();
+  assert.equal(result.state, 'rejected');
+});
+

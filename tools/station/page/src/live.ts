@@ -67,6 +67,7 @@ export class Live {
     socket.onopen = () => {
       if (!mine()) return;
       opened = true;
+      this.early.clear();  // a restarted station counts its requests from 1 again
       this.clock.restart();
       this.plant.restart();
       this.send({ subscribe: '*' });
@@ -117,7 +118,7 @@ export class Live {
   resultOf(requestId: string | number): Promise<Result> {
     const key = String(requestId);
     const early = this.early.get(key);
-    if (early) return Promise.resolve(early);
+    if (this.early.delete(key)) return Promise.resolve(early!);
     return this.wait(this.requests, key);
   }
 
