@@ -108,3 +108,13 @@ test('a result of a former connection is not that of a later request', async () 
   assert.equal(result.state, 'rejected');
 });
 
+test('an attempt to connect again that gets no response is given up', async () => {
+  const page = await connect();
+  sockets[0].onclose();
+  await pass(1000);
+  sockets[1].open();  // and the network is silent: the catalogue does not arrive
+  await pass(12_000);
+  assert.ok(sockets.length > 2);
+  await join();
+  assert.equal(page.state, 'open');
+});

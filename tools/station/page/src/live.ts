@@ -233,7 +233,7 @@ export class Live {
   }
 
   private watch(): void {
-    if (this.state === 'lost' || !this.socket) return;
+    if (!this.socket) return;
     if (performance.now() - this.heardAt > silence_ms) {
       const silent = this.socket;
       this.socket = undefined;
