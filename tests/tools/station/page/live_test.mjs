@@ -118,3 +118,14 @@ test('an attempt to connect again that gets no response is given up', async () =
   await join();
   assert.equal(page.state, 'open');
 });
+
+test('a catalogue that is older than the connection is fetched again', async () => {
+  const page = new live.Live(new plant.Plant());
+  page.start(Promise.resolve(catalogue(1)));
+  sockets.at(-1).open();
+  await settled();
+  const asked = requests.length;
+  sockets.at(-1).say(hello(2));
+  assert.deepEqual(requests.slice(asked).map(({ path }) => path), ['/api/catalogue?after=1']);
+  assert.equal(page.state, 'open');
+});

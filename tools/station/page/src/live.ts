@@ -170,6 +170,11 @@ export class Live {
   }
   private wanted = -1;
 
+  private want(version: number): void {
+    this.wanted = version;
+    if (this.plant.version >= 0 && version > this.plant.version && this.socket) void this.fetchCatalogue(this.socket);
+  }
+
   private onMessage(text: string): void {
     let message: { kind?: string } & Record<string, unknown>;
     try {
@@ -182,12 +187,9 @@ export class Live {
     switch (message.kind) {
       case 'hello':
         this.clock.observe(Number(message['now_ms']));
-        this.wanted = Number(message['catalogue']);
+        this.want(Number(message['catalogue']));
         break;
-      case 'catalogue':
-        this.wanted = Number(message['version']);
-        if (plant.version >= 0 && this.wanted > plant.version && this.socket) void this.fetchCatalogue(this.socket);
-        break;
+      case 'catalogue': this.want(Number(message['version'])); break;
       case 'values': plant.applyTexts(message); break;
       case 'bus': plant.setBus(about as Bus); break;
       case 'bus_gone': plant.buses.delete(String(message['bus'])); plant.touch('buses'); break;
