@@ -110,8 +110,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoked_ = std::move(revoked);
     report_soon_ = true;
     const bool response_expected = engine_.exchanging();
-    record_.remark("leased to " + who + ": what is said meanwhile is not captured",
-                   mapping_.to_utc(steady_now()));
+    record_.remark("leased to " + who, mapping_.to_utc(steady_now()));
     process(LeaseBegan{who}, steady_now());
     if (!response_expected) return grant(granted);
     // The programming software must not receive the response to our last request.

@@ -1,5 +1,6 @@
 #include <termios.h>
 
+#include "bridge/capture/bus_capture.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "core/program/frame.hpp"
 #include "tests/bridge/program/lease_fixture.hpp"
@@ -54,6 +55,32 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgain) {
   ModbusDevice again(pty);
   client.send("@@EDFEFF");
   EXPECT_TRUE(receives_more());
+}
+
+TEST_F(Lease, ACaptureNamesTheEngineerAndHasTheBytesOfTheSession) {
+  Pty pty;
+  auto device = std::make_unique<ModbusDevice>(pty);
+  start();
+  run(bus_of(serial_at(pty.path())));
+  const auto tap = std::make_shared<CaptureTap>();
+  tap->want(CaptureTap::Wanted::kEverything);
+  runner->set_capture(tap);
+  ASSERT_TRUE(receives_more());
+  TcpClient client = engineer();
+  client.send("@@P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
+  device->stop();  // the test acts as the PLC
+  (void)pty.take();
+  client.send("@@@00program*\rFEFF");
+  ASSERT_EQ(pty.receive(12).size(), 12u);
+  std::string remarks, session;
+  for (const CaptureRecord& record : tap->take().records) {
+    if (record.kind == CaptureRecord::Kind::kRemark) remarks += record.text + '\n';
+    if (record.session) session += program::as_text(record.bytes);
+  }
+  EXPECT_THAT(remarks, testing::HasSubstr("leased to 127.0.0.1:"));
+  EXPECT_THAT(remarks, testing::Not(testing::HasSubstr("not captured")));
+  EXPECT_EQ(session, "@00program*\r");
 }
 
 // All bytes of the client are sent at the pace of the line before the bus sends its first request.
