@@ -338,17 +338,19 @@ test('the digits of a channel are those of its configuration, else of its resolu
 });
 
 test('the trend of a row has the values of the last minutes, with gaps', () => {
-  const recent = new recent_values.RecentValues(), values = Float64Array.from([NaN, 5, 1, NaN]);
+  const recent = new recent_values.RecentValues(), values = Float64Array.from([NaN, 5, 1, NaN, 3]), quality = new Uint8Array(5);
   for (const [at_ms, value] of [[0, 0], [1000, 9], [5000, 10], [10_000, NaN], [15_000, 5]]) {
     values[2] = value;
-    recent.take(values, at_ms);
+    quality[4] = at_ms === 5000 ? 2 : 0;  // the value of a bad quality is that of the last good one
+    recent.take(values, quality, at_ms);
   }
   assert.equal(recent.taken, 4);  // one every 5 s
   assert.equal(recent.path(2, 47, 20), 'M44.0 20.0L45.0 0.0M47.0 10.0');
   assert.equal(recent.path(1, 47, 20), 'M44.0 10.0L45.0 10.0L46.0 10.0L47.0 10.0');
   assert.equal(recent.path(3, 47, 20), '');
+  assert.equal(recent.path(4, 47, 20), 'M44.0 10.0M46.0 10.0L47.0 10.0');
   assert.equal(recent.path(99, 47, 20), '');
-  for (let n = 4; n < 100; n++) recent.take(values, 5000 * n);
+  for (let n = 4; n < 100; n++) recent.take(values, quality, 5000 * n);
   assert.match(recent.path(1, 47, 20), /^M0\.0 .*L47\.0 10\.0$/);
   recent.clear();
   assert.equal(recent.path(1, 47, 20), '');

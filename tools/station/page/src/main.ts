@@ -136,7 +136,7 @@ connection.onLoginRequired = () => {
 };
 setInterval(() => {
   second = true;
-  plant.recent.take(plant.value, performance.now());
+  plant.recent.take(plant.value, plant.quality, performance.now());
   schedule();
 }, 1000);
 addEventListener('hashchange', showPage);

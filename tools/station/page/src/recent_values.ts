@@ -1,5 +1,7 @@
 // The last minutes of every channel for the trends of the live table: one column of values every 5 s. Kept in memory alone. Pure.
 
+import { isBad } from './types';
+
 const every_ms = 5000;
 const most = 48;  // columns: four minutes
 const mostBytes = 16e6;  // then fewer columns
@@ -11,12 +13,12 @@ export class RecentValues {
 
   clear(): void { this.columns = []; }
 
-  // Keeps a copy of the values, if it is time. `now_ms`: monotonic.
-  take(values: Float64Array, now_ms: number): void {
+  // Keeps a copy of the values, if it is time, with gaps where the quality is bad. `now_ms`: monotonic.
+  take(values: Float64Array, quality: Uint8Array, now_ms: number): void {
     if (now_ms < this.taken_ms + every_ms) return;
     this.taken_ms = now_ms;
     this.taken++;
-    this.columns.push(values.slice());
+    this.columns.push(values.map((value, id) => isBad(quality[id]!) ? NaN : value));
     while (this.columns.length > most || this.columns.length * values.byteLength > mostBytes) this.columns.shift();
   }
 
