@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <set>
@@ -184,7 +185,10 @@ struct Station::State::DeadlineWatch {
   void call(const std::function<void(const Message&)>& handler, const Path& path,
             const Message& message) {
     const std::lock_guard lock(turn);
-    if (handler && !ended && matches(pattern, path)) handler(message);
+    if (!handler || ended || !matches(pattern, path)) return;
+    ++running;
+    handler(message);
+    --running;
   }
   void end() {
     const std::lock_guard lock(turn);
@@ -197,6 +201,7 @@ struct Station::State::DeadlineWatch {
   fieldcast::Station station;
   std::recursive_mutex turn{};  // held while a handler runs
   bool ended = false;
+  std::atomic<int> running = 0;  // handlers
 };
 
 Subscription Station::State::subscribe_with_deadline(const Pattern& pattern,
@@ -208,10 +213,13 @@ Subscription Station::State::subscribe_with_deadline(const Pattern& pattern,
   });
   joining([&] { watch->subscribe(); });
   // A handler may end its own subscription, and a participant cannot be removed on its own thread:
-  // ended ones are removed by the next call, or with the station.
+  // ended ones are removed by the next call outside of their handlers, or with the station.
   std::vector<std::shared_ptr<DeadlineWatch>> removed;
   const std::lock_guard lock(watch_mutex);
-  removed.swap(ended_watches);
+  const auto idle = std::partition(ended_watches.begin(), ended_watches.end(),
+                                   [](const auto& ended) { return ended->running > 0; });
+  std::move(idle, ended_watches.end(), std::back_inserter(removed));
+  ended_watches.erase(idle, ended_watches.end());
   return Subscription([this, watch] {
     watch->end();
     const std::lock_guard ending(watch_mutex);

@@ -237,6 +237,24 @@ TEST_F(Client, AMissedRefreshIsReported) {
   EXPECT_EQ(missed.all()[0].text(), fast.name + "/d/c0");
 }
 
+TEST_F(Client, AHandlerMayRenewItsOwnSubscriptionWithARefresh) {
+  Collected<api::Sample> renewed;
+  std::atomic<bool> is_renewed = false;
+  api::Subscription values;
+  values =
+      station_.subscribe("*",
+                         [&](const api::Sample&) {
+                           if (is_renewed) return;
+                           values.end();
+                           values = station_.subscribe(
+                               "*", [&](const api::Sample& s) { renewed.add(s); }, {.refresh = 1h});
+                           is_renewed = true;
+                         },
+                         {.refresh = 1h});
+  publish({good(0, 1.0)});
+  EXPECT_TRUE(eventually([&] { return is_renewed && renewed.size() > 0; }));
+}
+
 TEST_F(Client, APatternThatIsNotValidIsRefused) {
   EXPECT_THROW((void)station_.subscribe("a/b/c/d", [](const api::Sample&) {}),
                std::invalid_argument);
