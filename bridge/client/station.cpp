@@ -260,7 +260,7 @@ Subscription Station::subscribe(std::string_view pattern,
                                 std::function<void(const Sample&)> on_sample,
                                 SampleOptions options) {
   const Pattern wanted = parse(pattern);
-  if (options.refresh > Duration{} || options.on_missed)
+  if (options.refresh > Duration{})
     return state_->subscribe_with_deadline(wanted, std::move(on_sample), std::move(options));
   return state_->add(state_->samples, &fieldcast::Station::subscribe_samples,
                      {.wants = by_path(wanted),

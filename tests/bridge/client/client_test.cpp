@@ -255,6 +255,14 @@ TEST_F(Client, AHandlerMayRenewItsOwnSubscriptionWithARefresh) {
   EXPECT_TRUE(eventually([&] { return is_renewed && renewed.size() > 0; }));
 }
 
+TEST_F(Client, MissedRefreshesWithoutARefreshAreNotWatched) {
+  Collected<api::Sample> samples;
+  const auto values = station_.subscribe("*", [&](const api::Sample& s) { samples.add(s); },
+                                         {.on_missed = [](const api::Path&) {}});
+  publish({good(0, 1.0)});
+  EXPECT_TRUE(eventually([&] { return samples.size() == 1; }));
+}
+
 TEST_F(Client, APatternThatIsNotValidIsRefused) {
   EXPECT_THROW((void)station_.subscribe("a/b/c/d", [](const api::Sample&) {}),
                std::invalid_argument);
