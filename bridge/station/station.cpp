@@ -309,14 +309,14 @@ void Station::declare_interest(const std::string& pattern, Duration refresh) {
   for (const auto& site : state_->sites) {
     const auto there = pattern_at_site(pattern, site->name);
     if (there && (state_->sites.size() == 1 || site->may_declare_interest()))
-      site->write_interest(*there, refresh);
+      site->write_interest(pattern, *there, refresh);
   }
 }
 
 void Station::withdraw_interest(const std::string& pattern) {
   for (const auto& site : state_->sites) {
     if (const auto there = pattern_at_site(pattern, site->name))
-      site->write_interest(*there, std::nullopt);
+      site->write_interest(pattern, *there, std::nullopt);
   }
 }
 

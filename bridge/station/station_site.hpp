@@ -1,6 +1,7 @@
 // The participant of a Station at one site, with its endpoints. Any thread, except where stated.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -68,19 +69,29 @@ struct Station::Site {
     const std::lock_guard lock(mutex);
     FIELDCAST_CHECK(subscriptions.emplace(topic.name, std::move(made)).second);
   }
-  // Without a refresh: withdraws the interest.
-  void write_interest(const std::string& pattern, std::optional<Duration> refresh) {
+  // Without a refresh: withdraws the interest. Several patterns of the station may be one here:
+  // "*" and "north:*".
+  void write_interest(const std::string& of_station, const std::string& pattern,
+                      std::optional<Duration> refresh) {
     if (interests == nullptr && refresh)
       interests = domain.writer(kInterestTopic, station.short_name);
     if (interests == nullptr) return;
+    std::map<std::string, Duration>& declared = declared_interests[pattern];
+    if (refresh)
+      declared.insert_or_assign(of_station, *refresh);
+    else
+      declared.erase(of_station);
     idl::Interest interest;
     interest.station() = station.short_name;
     interest.pattern() = pattern;
-    if (!refresh) {
+    if (declared.empty()) {
+      declared_interests.erase(pattern);
       interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
       return;
     }
-    interest.refresh(refresh->count());
+    const auto shortest =
+        std::ranges::min_element(declared, {}, [](const auto& each) { return each.second; });
+    interest.refresh(shortest->second.count());
     interests->write(&interest);
   }
 
@@ -91,6 +102,8 @@ struct Station::Site {
   ClockOffsets clocks;   // used by the subscription to BusStatus
   PlanParts plan_parts;  // used by the subscription to ReadPlan
   dds::DataWriter* interests = nullptr;
+  // By pattern at this site and pattern of the station.
+  std::map<std::string, std::map<std::string, Duration>> declared_interests;
   std::mutex mutex;                                            // protects the members below
   std::map<std::string, std::shared_ptr<void>> subscriptions;  // by topic
   std::unique_ptr<BlockSubscription> blocks;

@@ -307,6 +307,24 @@ TEST(ClientDomains, TheNameOfADomainComesBeforeItsBuses) {
   EXPECT_EQ(sessions.all()[0], "south:" + bus);
 }
 
+TEST(ClientDomains, InterestsThatAreOneInADomainEndOneByOne) {
+  DdsSpec north = loopback(), south = loopback();
+  north.partition = "north";
+  south.partition = "south";
+  Obedient in_north{bus_name("line"), 1, north};
+  api::Station station("both", {domain_of(north, "north"), domain_of(south, "south")});
+  const auto refresh = [&] {
+    const auto heard = in_north.received.interests.all();
+    return heard.empty() ? std::nullopt : heard.back().refresh;
+  };
+  const auto everywhere = station.interest("*", 2s);
+  {
+    const auto there = station.interest("north:*", 1s);
+    EXPECT_TRUE(eventually([&] { return refresh() == Duration{1s}; }));
+  }
+  EXPECT_TRUE(eventually([&] { return refresh() == Duration{2s}; }));
+}
+
 TEST(ClientDomains, AMissedRefreshNamesItsDomain) {
   DdsSpec north = loopback(), south = loopback();
   north.partition = "north";
