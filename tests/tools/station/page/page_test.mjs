@@ -112,6 +112,17 @@ test('a frame is read where it lies', () => {
   assert.deepEqual([read.base_ms, ...read.age_ms], [5040, 40, 0]);
 });
 
+test('a page that watches a channel gets no values of the channel that has its id in a new connection', () => {
+  const made = makePlant('a/b/watched'), seen = [];
+  made.watched = 1;
+  made.onValue = (id) => seen.push(made.value[id]);
+  made.applyFrame(encodeFrame([sample(1, 5)]));
+  made.restart();
+  made.applyFrame(encodeFrame([sample(1, 99)]));
+  made.applyCatalogue({ version: 1, full: true, channels: [row(1, 'a/b/other'), row(2, 'a/b/watched')], gone: [] });
+  assert.deepEqual(seen, [5]);
+});
+
 test('bytes that are no frame are refused', () => {
   const good = encodeFrame([sample(1, 1)]);
   assert.equal(frame.parseFrame(good.slice(0, 15)), undefined);

@@ -77,12 +77,13 @@ export class Plant {
   onChange: () => void = () => {};
   onAlarm: (alarm: Alarm) => void = () => {};  // also while nothing is painted
   onValue: ((id: number) => void) | undefined;  // for a page that needs every sample of a channel
-  watched = -1;  // the id for onValue
+  watched = -1;  // the id for onValue; -1 after restart()
   private waiting: (ArrayBuffer | Record<string, unknown>)[] | undefined = [];
 
   // Called for a new connection: its ids are not yet valid, and the station sends buses and alarms again.
   restart(): void {
     this.waiting = [];
+    this.watched = -1;
     this.version = -1;
     for (const map of [this.buses, this.devices, this.descriptions, this.interests, this.alarms, this.sessions, this.bridges, this.sites]) map.clear();
     this.stream = undefined;

@@ -121,7 +121,7 @@ class ChannelPage implements Page {
     this.channel = found;
     plant.watched = found.id;
     plant.onValue = (each) => this.onValue(each);
-    if (!first) return;
+    if (!first) return this.onValue(found.id);
     noteRecent(this.path);
     this.tail = new LiveTail(found.mode === 'on-demand' ? 0 : found.refresh_ms);
     if (found.mode !== 'on-demand' && found.refresh_ms >= 50) this.leave = live.subscribe(this.path, found.refresh_ms);
