@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -15,6 +16,9 @@
 
 namespace fieldcast::api {
 namespace {
+
+// Of a command's times: their sums with a clock must not overflow.
+constexpr Duration kLongest = std::chrono::hours{24};
 
 Pattern parse(std::string_view text) {
   auto pattern = Pattern::parse(text);
@@ -231,11 +235,13 @@ Result Station::State::execute(const ChannelPath& path, Command command,
                                const CommandOptions& options) {
   command.device = path.device;
   command.verify = options.verify && command.operation == Operation::kWrite;
+  const auto bounded = [](Duration time) { return std::min(time, kLongest); };
   return api::to_public(inner.execute({.bus = path.bus,
                                        .command = std::move(command),
-                                       .lifespan = options.lifespan,
+                                       .lifespan = bounded(options.lifespan),
                                        .person = options.person},
-                                      options.wait_for_bridge, options.wait_for_result));
+                                      bounded(options.wait_for_bridge),
+                                      bounded(options.wait_for_result)));
 }
 
 Result Station::State::execute(std::string_view device, const Address& address, Command command,

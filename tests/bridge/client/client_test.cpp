@@ -106,6 +106,14 @@ TEST_F(Client, AWriteHasItsOneResult) {
   ASSERT_EQ(served_.received.commands.size(), 1u);
 }
 
+TEST_F(Client, AWriteMayWaitWithoutALimit) {
+  constexpr Duration kAlways = Duration::max();
+  const api::CommandOptions patient{
+      .lifespan = kAlways, .wait_for_bridge = kAlways, .wait_for_result = kAlways};
+  const api::Result result = station_.write(bus_ + "/d/c0", true, patient);
+  EXPECT_TRUE(result.ok()) << api::to_text(result);
+}
+
 TEST_F(Client, AWriteToNoBusIsNotSent) {
   api::CommandOptions soon;
   soon.wait_for_bridge = 10ms;

@@ -14,6 +14,7 @@
 namespace fieldcast::api {
 inline namespace v1 {
 
+/// Times above 24 h count as 24 h.
 struct CommandOptions {
   bool verify = false;  ///< write: the bridge reads the value back
   /// The bridge never starts the command later than this after it was sent.
