@@ -389,6 +389,10 @@ test('versions tell who and why, show their changes, are downloaded and returned
   const archive = readFileSync(await all.path(), 'utf8');
   for (const part of ['north/north.yaml', 'north/press-3.csv', `north/versions/${versionOf(firstText)}.yaml`, `north/versions/${mock.configuration.version}.yaml`, 'otto,kelvin,confirmed by otto']) assert.ok(archive.includes(part), part);
   await page.getByRole('button', { name: `Return to version ${versionOf(firstText)}` }).click();
+  const why = page.locator('dialog input[name="why"]');
+  await why.fill('因'.repeat(86));
+  assert.match(await why.evaluate((field) => field.validationMessage), /At most 256 bytes/);
+  await why.fill('');
   await page.keyboard.type('as it was');
   await page.keyboard.press('Enter');
   await until(() => mock.configuration.text === firstText && mock.configuration.versions.at(-1).why === 'as it was', 'the former version');

@@ -108,6 +108,20 @@ test('an alarm is acknowledged by keys, with a note', { skip }, async () => {
   await page.context().close();
 });
 
+test('a note has at most 256 bytes, also in Chinese', { skip }, async () => {
+  const page = await open('#/alarms');
+  await page.getByRole('checkbox', { name: /temperature-1/ }).check();
+  await page.keyboard.press('s');
+  const note = page.locator('dialog input[name="note"]');
+  await note.fill('报'.repeat(86));
+  assert.match(await note.evaluate((field) => field.validationMessage), /At most 256 bytes/);
+  await page.locator('dialog button[type="submit"]').click();
+  assert.equal(await page.locator('dialog').count(), 1, 'the note is kept and can be shortened');
+  await note.fill('报'.repeat(85) + '.');
+  assert.equal(await note.evaluate((field) => field.validationMessage), '');
+  await page.context().close();
+});
+
 test('the link of a message leads to its alarm, and messages that failed are listed', { skip }, async () => {
   const page = await open('#/alarms?alarm=press-shop%2Fdevice-01%2Fpressure-1%2Flow');
   assert.equal(await page.inputValue('input.filter'), 'press-shop/device-01/pressure-1');

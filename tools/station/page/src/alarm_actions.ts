@@ -7,7 +7,7 @@ import { t, word } from './i18n';
 import { html } from './markup';
 import { serverText } from './server_text';
 import type { Alarm } from './types';
-import { ask, errorText } from './view';
+import { ask, errorText, limitBytes } from './view';
 
 // Outcome of one request, or of one request for each alarm.
 interface Accepted {
@@ -16,7 +16,7 @@ interface Accepted {
 }
 
 const mostNamed = 5;
-const longestNote = 256;
+const mostNoteBytes = 256;
 const shelveFor_min = [15, 30, 60, 240, 480, 1440];
 const maintenanceFor_min = [30, 60, 120, 240, 480, 1440];
 const mostAtOnce = 200;  // alarms in one request
@@ -42,7 +42,7 @@ const named = (alarms: readonly Alarm[]): TemplateResult => html`<ul class="name
   ${alarms.length > mostNamed ? html`<li class="muted">${t('alarms.and-more', { n: alarms.length - mostNamed })}</li>` : ''}</ul>`;
 
 const noteField = (): TemplateResult => html`<label class="field">${t('alarms.note')}
-  <input name="note" maxlength=${longestNote} autocomplete="off" autofocus></label>`;
+  <input name="note" maxlength=${mostNoteBytes} @input=${limitBytes(mostNoteBytes)} autocomplete="off" autofocus></label>`;
 
 export const lengthText = (minutes: number): string =>
   minutes < 60 ? t('alarms.minutes', { n: minutes }) : minutes < 1440 ? t('alarms.hours', { n: minutes / 60 }) : t('alarms.days', { n: minutes / 1440 });

@@ -77,6 +77,13 @@ export function ask(question: Question): Promise<FormData | undefined> {
   });
 }
 
+// For @input of a text field: the station limits bytes of UTF-8, `maxlength` limits UTF-16 units.
+export const limitBytes = (most: number) => (event: Event): void => {
+  const field = event.target as HTMLInputElement;
+  const isTooLong = new TextEncoder().encode(field.value).length > most;
+  field.setCustomValidity(isTooLong ? t('too-long', { most }) : '');
+};
+
 export const empty = (text: string, hint = ''): TemplateResult =>
   html`<div class="empty"><p>${text}</p>${hint ? html`<p class="muted">${hint}</p>` : nothing}</div>`;
 

@@ -3,15 +3,17 @@
 import type { TemplateResult } from 'lit-html';
 import { t } from '../i18n';
 import { html } from '../markup';
-import { ask } from '../view';
+import { ask, limitBytes } from '../view';
 import type { Checked, Configuration } from './api';
 import { diffView } from './diff_view';
 import type { Draft } from './draft';
 import { countChanges, merge } from './line_diff';
 import { planView } from './plan_view';
 
+const mostWhyBytes = 256;
+
 const whyField = (): TemplateResult => html`<label class="wide">${t('configuration.why')}
-  <input name="why" required maxlength="256" autofocus aria-describedby="why-hint"></label><p id="why-hint" class="muted">${t('configuration.why-hint')}</p>`;
+  <input name="why" required maxlength=${mostWhyBytes} @input=${limitBytes(mostWhyBytes)} autofocus aria-describedby="why-hint"></label><p id="why-hint" class="muted">${t('configuration.why-hint')}</p>`;
 
 // Returns the reason, or undefined if the dialog was cancelled.
 export async function askDeploy(draft: Draft, checked: Checked): Promise<string | undefined> {

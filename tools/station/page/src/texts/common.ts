@@ -12,6 +12,7 @@ export const texts = {
   'keys.leave': ['Leave a field or a dialog', '离开输入框或对话框'],
   'keys.docs': ['Docs', '文档'], 'keys.doc': ['Documentation of this page: {file}', '本页文档：{file}'],
   'keys.help': ['This list', '显示此列表'],
+  'too-long': ['At most {most} bytes; a Chinese character has 3.', '最多 {most} 字节；一个汉字占 3 字节。'],
   'error.lost': ['The station does not answer.', '监控站没有响应。'],
   'error.no-result': ['No result came. Look at the value before you try again.', '没有收到结果。请先查看当前值再重试。'], 'quality.good': ['good', '良好'],
   'quality.uncertain': ['uncertain', '不确定'], 'quality.bad-no-answer': ['no response', '无应答'], 'quality.bad-frame': ['bad frame', '报文错误'],
