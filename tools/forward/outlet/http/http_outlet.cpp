@@ -53,15 +53,29 @@ bool HttpOutlet::create() {
 bool HttpOutlet::open() {
   const auto opened = client_.open();
   if (!opened) reason_ = opened.error();
-  // An empty body tests the connection and the login. Some servers refuse it as empty.
-  const bool is_usable = opened && create() && write({}) != Written::kFailed;
-  if (is_usable) {
-    log_info(engine_.subject, "connected to " + spec_.server);
-  } else {
-    log_counted(LogLevel::kWarning, engine_.subject, "failed connections",
-                fmt::format("cannot use {}: {}; the forwarder tries again", spec_.server, reason_));
+  const Written tested = opened && create() ? test() : Written::kFailed;
+  switch (tested) {
+    case Written::kYes: log_info(engine_.subject, "connected to " + spec_.server); break;
+    case Written::kRefused:
+      log_counted(LogLevel::kWarning, engine_.subject, "refused tests",
+                  fmt::format("{} refuses a request without data: {}; check that it is the right "
+                              "server",
+                              spec_.server, reason_));
+      break;
+    case Written::kFailed:
+      log_counted(
+          LogLevel::kWarning, engine_.subject, "failed connections",
+          fmt::format("cannot use {}: {}; the forwarder tries again", spec_.server, reason_));
+      break;
   }
-  return is_usable;
+  return tested != Written::kFailed;
+}
+
+HttpOutlet::Written HttpOutlet::test() {
+  const Written written = write({});
+  const std::string& known = engine_.empty_refusal;
+  const bool is_known = !known.empty() && reason_.find(known) != std::string::npos;
+  return written == Written::kRefused && is_known ? Written::kYes : written;
 }
 
 HttpOutlet::Written HttpOutlet::write(const std::string& body) {
@@ -85,7 +99,7 @@ std::optional<std::size_t> HttpOutlet::send(const Record& record) {
   }
   const std::size_t size = body->size();
   pending_bytes_ += size;
-  pending_.push_back({record.id, record.bus + '/' + record.device, *std::move(body)});
+  pending_.push_back({record.id, record.bus + '/' + record.device, *std::move(body), {}});
   return size;
 }
 
@@ -108,16 +122,33 @@ void HttpOutlet::flush() {
 }
 
 void HttpOutlet::write_each() {
-  for (std::size_t i = 0; i < pending_.size(); ++i) {
-    const Pending& one = pending_[i];
+  std::vector<Pending> refused;
+  bool has_accepted = false;
+  std::size_t i = 0;
+  for (; i < pending_.size(); ++i) {
+    Pending& one = pending_[i];
     const Written written = write(one.body);
-    if (written == Written::kFailed) return fail(std::span(pending_).subspan(i));
-    if (written == Written::kRefused)
-      log_counted(LogLevel::kError, engine_.subject, "messages that the server refuses",
-                  fmt::format("{}: a message of {} bytes is removed: {}", one.name, one.body.size(),
-                              reason_));
-    results_.push_back(
-        {one.record, written == Written::kYes ? Outcome::kAcknowledged : Outcome::kRefused});
+    if (written == Written::kFailed) break;
+    if (written == Written::kYes) {
+      has_accepted = true;
+      results_.push_back({one.record, Outcome::kAcknowledged});
+    } else {
+      one.refusal = reason_;
+      refused.push_back(std::move(one));
+    }
+  }
+  const std::span rest = std::span(pending_).subspan(i);
+  if (!refused.empty()) refuse(refused, has_accepted || (rest.empty() && test() == Written::kYes));
+  if (!rest.empty()) fail(rest);
+}
+
+void HttpOutlet::refuse(std::span<const Pending> records, bool is_right_server) {
+  if (!is_right_server) return fail(records);
+  for (const Pending& one : records) {
+    log_counted(LogLevel::kError, engine_.subject, "messages that the server refuses",
+                fmt::format("{}: a message of {} bytes is removed: {}", one.name, one.body.size(),
+                            one.refusal));
+    results_.push_back({one.record, Outcome::kRefused});
   }
 }
 

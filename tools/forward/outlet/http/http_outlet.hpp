@@ -1,6 +1,8 @@
 // The outlet for an engine that receives data by HTTP: the records of a turn are the body of one
 // request. If the server refuses it, each record is sent in a request of its own, to find those
-// that it refuses. After a failure, the files of the login are read again. Has no threads.
+// that it refuses. A wrong service refuses everything: a record is refused only if the server
+// accepts another record in the same turn, or a body without data. After a failure, the files of the
+// login are read again. Has no threads.
 #pragma once
 
 #include <functional>
@@ -25,6 +27,9 @@ struct HttpEngine {
   std::function<std::string(const std::string& body)> compress;
   // Path of a request that creates what is missing; sent once for each connection. Empty: none.
   std::string create_path;
+  // Part of the reason of a server of this engine that refuses a body without data. Empty: none
+  // does.
+  std::string empty_refusal;
 };
 
 class HttpOutlet final : public Outlet {
@@ -44,6 +49,7 @@ class HttpOutlet final : public Outlet {
     std::uint64_t record = 0;
     std::string name;  // "line/press"
     std::string body;
+    std::string refusal;  // the server's reason; empty: not refused
   };
   enum class Written : std::uint8_t { kYes, kRefused, kFailed };
 
@@ -53,7 +59,11 @@ class HttpOutlet final : public Outlet {
   [[nodiscard]] bool create();
   // Sets `reason_` unless it returns kYes.
   [[nodiscard]] Written write(const std::string& body);
+  // Writes a body without data, which tests the connection, the login and the service. As write().
+  [[nodiscard]] Written test();
   void write_each();
+  // Removes the records if the server is the right one; otherwise they are sent again.
+  void refuse(std::span<const Pending> records, bool is_right_server);
   void fail(std::span<const Pending> records);
 
   const HttpSpec spec_;

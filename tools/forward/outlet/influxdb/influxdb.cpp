@@ -56,6 +56,7 @@ std::unique_ptr<Outlet> make_influxdb(const InfluxdbSpec& spec, OutletContext co
   engine.encode = [encoder = std::make_shared<LineEncoder>(context.site, context.catalogue)](
                       const Record& record) { return (*encoder)(record); };
   engine.compress = gzipped;
+  engine.empty_refusal = "writing requires points";  // InfluxDB 2.0 up to 2.0.8
   if (spec.create && spec.bucket.empty())
     engine.create_path =
         "/query?q=" + percent_encoded(fmt::format("CREATE DATABASE \"{}\"", spec.database));
