@@ -72,13 +72,16 @@ Forwarder::Forwarder(const ForwardSpec& spec)
   for (const Gap& gap : queue_.gaps()) (void)open_gaps_.add(gap, steady_now());
 }
 
-// The log of SQLite needs space beside the records.
+std::uint64_t needed_space(std::uint64_t max_bytes, std::uint64_t bytes) {
+  constexpr std::uint64_t kLog = 100'000'000;  // of SQLite, beside the records
+  return kLog + (bytes < max_bytes ? max_bytes - bytes : 0);
+}
+
 void Forwarder::check_disk() const {
-  constexpr std::uint64_t kLog = 100'000'000;
   std::error_code error;
   const auto folder = std::filesystem::absolute(spec_.queue.path, error).parent_path();
   const auto space = std::filesystem::space(folder, error);
-  const std::uint64_t needed = spec_.queue.max_bytes + kLog - queue_.counters().bytes;
+  const std::uint64_t needed = needed_space(spec_.queue.max_bytes, queue_.counters().bytes);
   if (error || space.available >= needed) return;
   log_warning("queue",
               fmt::format("{} has {} MB free, and the queue may need {} MB; free the disk, or "

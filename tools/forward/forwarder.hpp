@@ -111,6 +111,10 @@ class Forwarder {
   std::optional<Worker<int>> worker_, fetcher_;
 };
 
+// Free bytes of the disk that a queue with `bytes` needs. It has more than `max_bytes` if
+// `queue.max-size` was reduced, until the first append.
+[[nodiscard]] std::uint64_t needed_space(std::uint64_t max_bytes, std::uint64_t bytes);
+
 // One line: "connected, 12 messages wait (3.1 kB), 12000 samples acknowledged, ..".
 [[nodiscard]] std::string to_text(const SiteStatus& status);
 
