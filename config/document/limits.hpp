@@ -18,8 +18,9 @@ inline constexpr std::size_t kMaxNodes = 2'400'000;
 // Limits of one YAML text. 100 000 channels with limits and write have 300 000 maps.
 inline constexpr std::size_t kMaxCollections = 400'000;  // maps and lists
 inline constexpr std::size_t kMaxKeys = 1'000;           // of one map
-inline constexpr std::size_t kMaxNesting = 16;           // of maps and lists; the format needs 8
-inline constexpr std::size_t kMaxFaults = 1'000;         // reported together
+inline constexpr std::size_t kMaxLines = 1'500'000;
+inline constexpr std::size_t kMaxNesting = 16;    // of maps and lists; the format needs 8
+inline constexpr std::size_t kMaxFaults = 1'000;  // reported together
 
 // Plant:
 inline constexpr std::size_t kMaxBuses = 256;

@@ -297,6 +297,11 @@ std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
   auto document = std::make_unique<Document>();
   document->source = std::move(source);
   if (!check_text(document->source, faults)) return document;
+  if (std::ranges::count(document->source.text, '\n') > static_cast<std::ptrdiff_t>(kMaxLines)) {
+    faults.add({&document->source, kMaxLines, 0}, "the file holds too many lines",
+               fmt::format("{}; long channel lists belong in CSV files", kMaxLines));
+    return document;
+  }
   Marks marks(document->source);
   Parser parser(document->source.text);
   try {

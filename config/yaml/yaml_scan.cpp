@@ -18,7 +18,7 @@ class Scanner {
 
   YamlScan run() {
     while (next_ < text_.size()) step();
-    take_stack();
+    if (!taken_) scan_.open = stack_;
     scan_.never_closed = std::move(stack_);
     return std::move(scan_);
   }

@@ -1,4 +1,5 @@
-// The numbers that a channel can have by its type, and alarm limits that none of them exceeds. Pure.
+// The numbers that a channel can have by its type, and alarm limits that none of them exceeds.
+// Pure.
 #pragma once
 
 #include <optional>

@@ -420,13 +420,13 @@ std::vector<HardFile> hard_files() {
   }
   return {{keys, "too many keys"},
           {bomb, "too many values"},
-          {repeated("[", 15u << 20).insert(0, "buses: "), "too many values"},
-          {repeated("&a ", 5'000'000).insert(0, "buses: "), "too many values"},
-          {repeated("\"\",", 1'600'000).insert(0, "buses: ["), "too many values"},
+          {repeated("[", 15u << 20).insert(0, "buses: "), "too deep nesting"},
+          {repeated("&a ", 5'000'000).insert(0, "buses: "), "no key can stand here"},
+          {repeated("\"\",", 1'600'000).insert(0, "buses: ["), "this '[' is never closed"},
           {repeated("- - a\n", 399'000), "this is no Fieldcast configuration"},
           {repeated("- ''\n", 1'499'000), "this is no Fieldcast configuration"},
           {repeated("- x\n", 1'499'000) + "\"", "plant.yaml"},
-          {"bridge: \"" + repeated("x\n", 8'000'000), "too many values"},
+          {"bridge: \"" + repeated("x\n", 8'000'000), "too many lines"},
           {"bridge: " + repeated("x", 10'000'000), "plant.yaml"},
           {repeated("bridge: b\n", 20'000'000), "too large; allowed: 16 MiB"}};
 }
