@@ -290,9 +290,10 @@ configure::ConfigurationAgent::Ports configuration_ports(Bridge& bridge) {
                 bridge.note(std::move(entry));
               },
           .clock = [] { return read_clocks(); },
-          .probe = [&bridge](
-                       const std::string& bus, DeviceProbe probe,
-                       auto done) { return bridge.probe(bus, std::move(probe), std::move(done)); }};
+          .probe =
+              [&bridge](const std::string& bus, DeviceProbe&& probe, BusRunner::Probed&& done) {
+                return bridge.probe(bus, std::move(probe), std::move(done));
+              }};
 }
 
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path, bool trace) {

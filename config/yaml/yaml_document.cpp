@@ -103,8 +103,9 @@ class Builder {
     std::size_t weight;
   };
 
-  [[noreturn]] void abandon(const Position& at, std::string what, std::string allowed = {}) {
-    faults_.add(at, std::move(what), std::move(allowed));
+  [[noreturn]] void abandon(const Position& at, std::string_view what,
+                            std::string_view allowed = {}) {
+    faults_.add(at, what, allowed);
     throw Abandoned{};
   }
 

@@ -1,8 +1,8 @@
 // The outlet for an engine that receives data by HTTP: the records of a turn are the body of one
 // request. If the server refuses it, each record is sent in a request of its own, to find those
 // that it refuses. A wrong service refuses everything: a record is refused only if the server
-// accepts another record in the same turn, or a body without data. After a failure, the files of the
-// login are read again. Has no threads.
+// accepts another record in the same turn, or a body without data. After a failure, the files of
+// the login are read again. Has no threads.
 #pragma once
 
 #include <functional>
