@@ -53,7 +53,9 @@ class Engine(HttpEngine):
         found = []
         for series in self.query("SELECT epoch, sequence, value FROM fieldcast WHERE bus = 'line' GROUP BY bus, device, channel, quality").get("series", []):
             path = "/".join(series["tags"][name] for name in ("bus", "device", "channel"))
-            found += [(path, epoch, sequence, value, series["tags"]["quality"]) for _, epoch, sequence, value in series["values"]]
+            # InfluxDB shows the fields of a point that is being written one by one.
+            found += [(path, epoch, sequence, value, series["tags"]["quality"]) for _, epoch, sequence, value in series["values"]
+                      if epoch is not None and sequence is not None]
         return sorted(found)
 
     def refuse_one(self):
