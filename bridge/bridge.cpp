@@ -247,13 +247,6 @@ bool Bridge::is_running() const {
   return link_ != nullptr;
 }
 
-Bridge::Started Bridge::start_again() {
-  const std::lock_guard lock(changing_);
-  if (link_) return {};
-  const BridgeSpec same = spec_;
-  return start_all(same, Modules::kKeep, never);
-}
-
 // Ends alarms whose limit was removed, while their bus can still publish that.
 void Bridge::configure_alarms(const BridgeSpec& from, const BridgeSpec& to) {
   const UtcMapping now = read_clocks();

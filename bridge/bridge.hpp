@@ -74,10 +74,9 @@ class Bridge {
     const std::lock_guard lock(changing_);
     return spec_;
   }
-  // False if a reload failed and the previous configuration could not be started again either.
+  // False if a reload failed and the previous configuration could not be started again either. The
+  // next reload then starts what it is given.
   [[nodiscard]] bool is_running() const;
-  // Starts the previous configuration then; without effect while one runs. Fails as start().
-  [[nodiscard]] tl::expected<void, std::string> start_again();
 
   void set_trace(bool on);
 

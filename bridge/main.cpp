@@ -80,27 +80,28 @@ void report_overloads(const BridgeSpec& spec, Report warn) {
   }
 }
 
-constexpr std::size_t kReported = 20;  // per bus and kind; the rest is only counted
+// Reports the first texts about a bus; the rest is only counted: "7 more channels overlap".
+void report_first(const std::string& bus, const std::vector<std::string>& texts,
+                  std::string_view more, Report warn) {
+  constexpr std::size_t kReported = 20;
+  for (std::size_t i = 0; i < std::min(texts.size(), kReported); ++i) warn(bus, texts[i]);
+  if (texts.size() > kReported)
+    warn(bus, fmt::format("{} more {}", texts.size() - kReported, more));
+}
 
 // Reports channels that read the same items as different types.
 void report_overlaps(const BridgeSpec& spec, Report warn) {
   for (const BusSpec& bus : spec.buses) {
-    const std::vector<Overlap> overlaps = overlaps_of(bus);
-    for (std::size_t i = 0; i < std::min(overlaps.size(), kReported); ++i)
-      warn(bus.name, to_text(overlaps[i]));
-    if (overlaps.size() > kReported)
-      warn(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kReported));
+    std::vector<std::string> texts;
+    for (const Overlap& overlap : overlaps_of(bus)) texts.push_back(to_text(overlap));
+    report_first(bus.name, texts, "channels overlap", warn);
   }
 }
 
 // Reports alarm limits that the type of the channel cannot exceed.
 void report_limits(const BridgeSpec& spec, Report warn) {
-  for (const BusSpec& bus : spec.buses) {
-    const std::vector<std::string> limits = unreachable_limits(bus);
-    for (std::size_t i = 0; i < std::min(limits.size(), kReported); ++i) warn(bus.name, limits[i]);
-    if (limits.size() > kReported)
-      warn(bus.name, fmt::format("{} more limits cannot be reached", limits.size() - kReported));
-  }
+  for (const BusSpec& bus : spec.buses)
+    report_first(bus.name, unreachable_limits(bus), "limits cannot be reached", warn);
 }
 
 // Reports patterns of the store by which no sample is kept.
@@ -210,7 +211,7 @@ class Reloader {
   [[nodiscard]] bool is_down() const { return is_down_; }
   // The reload failed, and so did the return to the old configuration.
   void start_again() {
-    if (const auto started = bridge_.start_again(); !started) return;
+    if (!bridge_.reload(bridge_.configuration())) return;
     is_down_ = false;
     log_info("configuration", "the old configuration runs again");
   }

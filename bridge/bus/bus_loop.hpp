@@ -33,7 +33,7 @@ namespace fieldcast {
 
 namespace asio = boost::asio;
 
-// Runs on the io thread. process() passes an event to the engine and executes the actions.
+// process() passes an event to the engine and executes the actions.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,
