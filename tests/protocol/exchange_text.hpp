@@ -5,10 +5,19 @@
 //   read holding:107 3 holding:200 1 | write holding:107 00 05 [bit 3] [distinct]
 //   < 11 03 06             bytes of the response; " begins characters, with \r, \n and \xNN
 //   silence                the wait of the last step has expired
+//   damaged 11 03 06       what becomes of these bytes if a part of them is lost, doubled or wrong
 //   after read holding:1 3 | read holding:2 3     whether a late response could be confused
 //   address holding:1.16 | explain 11 03 06
+//
+// `damaged` has a sign for each byte: the result if the bytes end before it (cut), if it is lost,
+// doubled, or differs by 01 or by 10. `=` is the right reply, `*` a wrong one, `>` a request that
+// follows. Letters are failures, in lower case if they follow from the silence behind the bytes:
+// No response, Truncated, Checksum, Malformed, Foreign, Overlong, device Error, device Busy.
+// `missing` are the characters that the exchange waits for where the bytes are cut; `-`: a whole
+// response.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <sstream>
 #include <string>
@@ -30,15 +39,16 @@ class ExchangeText {
     const std::string word = line.substr(0, space);
     const std::string rest = space == std::string::npos ? "" : line.substr(space + 1);
     if (word == "device") return device(rest);
+    if (word == "damaged")
+      return damaged(rest.starts_with("\" ") ? characters(rest.substr(2)) : from_hex(rest).value());
     if (word == "address") return address_text(*protocol_, rest);
     if (word == "explain") return explained(from_hex(rest).value());
     if (word == "after") return after(rest);
     if (word == "<") return received(from_hex(rest).value());
     if (word == "\"") return received(characters(rest));
     if (word == "read" || word == "write") return begin(line);
-    if (word != "silence" || !exchange_) return "  !! unknown: " + line + '\n';
-    Bytes out;
-    return step(exchange_->on_silence(out), out);
+    if (word == "silence" && exchange_) return silence();
+    return "  !! unknown: " + line + '\n';
   }
 
  private:
@@ -49,6 +59,7 @@ class ExchangeText {
     for (std::string option; words >> option;)
       link.options[option.substr(0, option.find('='))] = option.substr(option.find('=') + 1);
     exchange_.reset();
+    device_ = text;
     protocol_ = make_(link);
     return {};
   }
@@ -98,6 +109,8 @@ class ExchangeText {
     const auto made = request(line, fault);
     exchange_.reset();
     if (!made) return fault;
+    begun_ = line;
+    before_.clear();
     exchange_ = protocol_->begin(*made, {1, nullptr});
     Bytes out;
     return step(exchange_->start(out), out);
@@ -115,9 +128,95 @@ class ExchangeText {
 
   std::string received(const Bytes& bytes) {
     if (!exchange_) return "  !! no exchange\n";
+    before_.push_back(bytes);
     append(received_, bytes);
     Bytes out;
     return step(exchange_->on_bytes(received_, out), out);
+  }
+
+  std::string silence() {
+    before_.push_back({});
+    Bytes out;
+    return step(exchange_->on_silence(out), out);
+  }
+
+  // The same exchange up to now, since an exchange cannot be copied.
+  [[nodiscard]] std::unique_ptr<ExchangeText> again() const {
+    auto same = std::make_unique<ExchangeText>(make_, explain_);
+    if (!device_.empty()) (void)same->device(device_);
+    (void)same->begin(begun_);
+    for (const Bytes& bytes : before_)
+      (void)(bytes.empty() ? same->silence() : same->received(bytes));
+    return same;
+  }
+
+  static char letter(Cause cause) {
+    switch (cause) {
+      case Cause::kNoResponse: return 'N';
+      case Cause::kTruncated: return 'T';
+      case Cause::kChecksum: return 'C';
+      case Cause::kMalformed: return 'M';
+      case Cause::kForeign: return 'F';
+      case Cause::kOverlong: return 'O';
+      case Cause::kDeviceError: return 'E';
+      case Cause::kDeviceBusy: return 'B';
+      default: return '?';
+    }
+  }
+
+  // The sign of what arrives, see above. `missing`: what a wait for the rest of a frame expects.
+  char sign_of(const Bytes& bytes, const std::string& right,
+               std::uint32_t* missing = nullptr) const {
+    const auto same = again();
+    append(same->received_, bytes);
+    Bytes out;
+    Step step =
+        bytes.empty() ? Step::need_response() : same->exchange_->on_bytes(same->received_, out);
+    const bool waited = step.kind == Step::Kind::kNeedMore;
+    if (missing != nullptr && waited && step.wait == Wait::kRestOfFrame) *missing = step.characters;
+    if (waited) step = same->exchange_->on_silence(out);
+    if (step.kind == Step::Kind::kSend) return '>';
+    if (step.kind == Step::Kind::kNeedMore) return '.';
+    if (step.kind == Step::Kind::kDone) return same->step(step, out) == right ? '=' : '*';
+    const char failure = letter(step.cause);
+    return waited ? static_cast<char>(failure - 'A' + 'a') : failure;
+  }
+
+  std::string damaged(const Bytes& whole) const {
+    if (!exchange_) return "  !! no exchange\n";
+    const std::string right = again()->received(whole);
+    std::string cut, lost, doubled, by_01, by_10, missing;
+    std::string run;
+    std::size_t times = 0;
+    const auto end_run = [&] {
+      if (times != 0) missing += ' ' + run + (times > 1 ? " x " + std::to_string(times) : "");
+    };
+    for (std::size_t at = 0; at < whole.size(); ++at) {
+      const auto before = whole.begin(), here = before + static_cast<std::ptrdiff_t>(at);
+      std::uint32_t more = 0;
+      cut += sign_of(Bytes(before, here), right, &more);
+      const std::string wanted = more == 0 ? "-" : std::to_string(more);
+      if (wanted != run) end_run(), times = 0, run = wanted;
+      ++times;
+      Bytes changed = whole;
+      changed.erase(changed.begin() + (here - before));
+      lost += sign_of(changed, right);
+      changed = whole;
+      changed.insert(changed.begin() + (here - before), *here);
+      doubled += sign_of(changed, right);
+      changed = whole;
+      changed[at] ^= 0x01u;
+      by_01 += sign_of(changed, right);
+      changed[at] ^= 0x11u;
+      by_10 += sign_of(changed, right);
+    }
+    end_run();
+    Bytes twice = whole, behind_noise{0x00};
+    append(twice, whole);
+    append(behind_noise, whole);
+    return "  cut     " + cut + "\n  missing" + missing + "\n  lost    " + lost + "\n  doubled " +
+           doubled + "\n  by 01   " + by_01 + "\n  by 10   " + by_10 + "\n  twice " +
+           sign_of(twice, right) + ", behind noise " + sign_of(behind_noise, right) + '\n';
   }
 
   std::string step(const Step& step, const Bytes& out) {
@@ -188,7 +287,10 @@ class ExchangeText {
   Explain explain_;
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Exchange> exchange_;
-  Bytes received_;  // since the last send
+  Bytes received_;             // since the last send
+  std::string device_;         // the text of the last device
+  std::string begun_;          // the request of the exchange
+  std::vector<Bytes> before_;  // what arrived since then; empty: a silence
 };
 
 }  // namespace fieldcast::test

@@ -1,7 +1,10 @@
 // Explanations of frames: explained/PROTOCOL.txt has each frame and, indented, what is shown of it.
+// A line `damaged FRAME` shows the faults if the frame ends earlier, or if a byte differs by 01 or
+// by 10; "4..6" are the bytes with the same faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 #include <string>
 #include <string_view>
 
@@ -28,6 +31,57 @@ std::string explained(const ProtocolEntry& entry, const Bytes& frame) {
                : "no\n");
 }
 
+std::string faults(const ProtocolEntry& entry, const Bytes& frame) {
+  std::string text;
+  for (const FrameField& field : entry.explain(frame)) {
+    if (!field.fault.empty())
+      text += (text.empty() ? "" : "; ") + field.name + " !! " + field.fault;
+  }
+  return text.empty() ? "none" : text;
+}
+
+// Numbers that differ for each byte: the right check, and the bytes that are there.
+std::string without(const std::string& numbers, const std::string& text) {
+  return std::regex_replace(text, std::regex(numbers), "..");
+}
+
+// One line for each run of bytes at which `at` returns the same.
+template <class At>
+std::string runs(const std::string& title, std::size_t size, At at) {
+  std::string text, last;
+  std::size_t begin = 0;
+  for (std::size_t place = 0; place <= size; ++place) {
+    const std::string now = place < size ? at(place) : std::string{};
+    if (now == last) continue;
+    if (!last.empty()) {
+      text += "  " + title + ' ' + std::to_string(begin);
+      if (place > begin + 1) text += ".." + std::to_string(place - 1);
+      text += ": " + last + '\n';
+    }
+    begin = place;
+    last = now;
+  }
+  return text;
+}
+
+constexpr const char* kChecks =
+    "([CL]RC is [0-9A-F]+, should be [0-9A-F]+|\\b[0-9A-F]{2}( [0-9A-F]{2})*( or BCC "
+    "[0-9A-F]{2})?)(?=;|$)";
+
+std::string damaged(const ProtocolEntry& entry, const Bytes& frame) {
+  std::string text = runs("cut", frame.size(), [&](std::size_t at) {
+    const Bytes part(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(at));
+    return without(std::to_string(at) + "(?= bytes)", without(kChecks, faults(entry, part)));
+  });
+  for (const auto& [title, bits] : {std::pair{"by 01", 0x01}, std::pair{"by 10", 0x10}})
+    text += runs(title, frame.size(), [&, change = bits](std::size_t at) {
+      Bytes changed = frame;
+      changed[at] = static_cast<std::uint8_t>(changed[at] ^ change);
+      return without(kChecks, faults(entry, changed));
+    });
+  return text;
+}
+
 class Explained : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(Explained, FramesAreShownAsWritten) {
@@ -35,7 +89,10 @@ TEST_P(Explained, FramesAreShownAsWritten) {
   const std::string text = golden_text(name);
   ASSERT_FALSE(text.empty()) << name;
   expect_responses(name, text, 0, [](const std::string& line) {
-    return explained(*find_protocol(GetParam()), *from_hex(line));
+    const ProtocolEntry& entry = *find_protocol(GetParam());
+    const std::string word = "damaged ";
+    if (line.starts_with(word)) return damaged(entry, *from_hex(line.substr(word.size())));
+    return explained(entry, *from_hex(line));
   });
 }
 

@@ -42,6 +42,25 @@ std::vector<std::string> facts_of(const Protocol& protocol, const ProtocolVarian
   return lines;
 }
 
+// What each option allows, and which addresses devices have.
+std::vector<std::string> allowed(const ProtocolEntry& entry, const DeviceLink& right) {
+  std::vector<std::string> lines;
+  const auto add = [&](const std::string& name, const DeviceLink& link) {
+    const auto made = entry.make(link);
+    lines.push_back("  " + name + ": " +
+                    (made ? "any" : made.error().what + "; " + made.error().allowed) + '\n');
+  };
+  for (const std::string_view option : entry.options) {
+    DeviceLink link = right;
+    link.options[std::string(option)] = "?";
+    add(std::string(option), link);
+  }
+  DeviceLink link = right;
+  link.address = 65535;
+  add("device", link);
+  return lines;
+}
+
 // Of later variants, only what the first one does not have.
 std::string facts(const ProtocolEntry& entry) {
   std::string text;
@@ -54,8 +73,10 @@ std::string facts(const ProtocolEntry& entry) {
       text += ' ' + std::string(name) + '=' + std::string(value);
     }
     text += '\n';
-    for (const std::string& line : facts_of(**entry.make(link), variant))
-      text += known.insert(line).second ? line : "";
+    std::vector<std::string> lines = facts_of(**entry.make(link), variant);
+    const std::vector<std::string> rules = allowed(entry, link);
+    lines.insert(lines.end(), rules.begin(), rules.end());
+    for (const std::string& line : lines) text += known.insert(line).second ? line : "";
   }
   return text;
 }
@@ -68,7 +89,11 @@ TEST_P(Facts, AreAsWritten) {
   ASSERT_TRUE(file) << name;
   std::ostringstream whole;
   whole << file.rdbuf();
-  EXPECT_EQ(facts(*GetParam()), whole.str());
+  const std::string actual = facts(*GetParam());
+  if (actual == whole.str()) return;
+  const std::string copy = testing::TempDir() + "facts-" + std::string(GetParam()->name) + ".txt";
+  std::ofstream(copy) << actual;
+  EXPECT_EQ(actual, whole.str()) << "to accept it: cp " << copy << ' ' << name;
 }
 
 // The wait for a response, and the search for its end in broken bytes, use the length that start()
