@@ -68,6 +68,7 @@ TEST(Engineer, StopReleasesTheDeviceAndAnotherCanBeAskedFor) {
   Bench b;
   b.pair();
   b.sends("@@EDFEFF@@18FEFF");
+  EXPECT_EQ(b.received(), "") << "it knows that it has stopped";
   EXPECT_EQ(b.freed, 1);
   EXPECT_EQ(b.hung_up, 0);
   EXPECT_THAT(b.taken, ElementsAre("17", "18"));

@@ -56,6 +56,14 @@ TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
   expect_hung_up_in_ten_seconds(b);
 }
 
+TEST(Engineer, ARefusedClientHasTheWholeTimeForItsNextRequest) {
+  Bench b;
+  b.pass(seconds{6});
+  b.sends("@@?FEFF");
+  EXPECT_EQ(b.received(), "@@0001FEFF");
+  expect_hung_up_in_ten_seconds(b);
+}
+
 TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
   EngineerRules rules;
   rules.login_needed = true;
@@ -178,6 +186,18 @@ TEST(Engineer, ACertificateIsTheLoginOnceItsUserIsFound) {
   EXPECT_EQ(bad.received(), "@@0004FEFF");
   EXPECT_EQ(bad.hung_up, 1);
   EXPECT_THAT(bad.taken, IsEmpty());
+}
+
+TEST(Engineer, ALoginHasAtMost128CharactersOfEach) {
+  const auto login = [](std::size_t user, std::size_t password) {
+    Bench b;
+    b.sends("@@AU" + hex_of_text(std::string(user, 'u')) + ':' +
+            hex_of_text(std::string(password, 'p')) + "FEFF");
+    return b.logins.size();
+  };
+  EXPECT_EQ(login(128, 128), 1u);
+  EXPECT_EQ(login(129, 128), 0u);
+  EXPECT_EQ(login(128, 129), 0u);
 }
 
 TEST(Engineer, ALoginThatCannotBeReadIsRefused) {

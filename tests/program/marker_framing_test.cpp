@@ -88,6 +88,19 @@ TEST(MarkerFraming, EverySplitOfTheStreamGivesTheSame) {
   EXPECT_EQ(bytewise.codes.size(), 2u);
 }
 
+TEST(MarkerFraming, ACodeWaitsAShortTimeForWhatCouldFollowIt) {
+  const auto patience = [](std::string_view text) {
+    MarkerReader reader(Sender::kClient);
+    Read().feed(reader, bytes_of(text), Phase::kTransmission);
+    return reader.patience();
+  };
+  EXPECT_EQ(patience("@@EDFEFF"), MarkerReader::kCodeWait);
+  EXPECT_EQ(patience("@@EDFEFF@"), MarkerReader::kCodeWait);
+  EXPECT_EQ(patience("@@EDFEF"), MarkerReader::kHalfWait);
+  EXPECT_EQ(patience("@@@00RD*\rFEF"), MarkerReader::kHalfWait);
+  EXPECT_EQ(patience("no"), MarkerReader::kHalfWait);
+}
+
 // Uses an alphabet that makes markers likely.
 TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   std::mt19937 random(7);

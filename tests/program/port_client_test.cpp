@@ -65,6 +65,8 @@ TEST(PortClient, AsksForItsDeviceAndCarriesInstructions) {
   EXPECT_EQ(b.sent(), "@@@00RD*\rFEFF");
   b.pass(milliseconds{2001});
   EXPECT_EQ(b.dropped, 1);
+  EXPECT_EQ(b.client.bytes_from_device(), 10u);
+  EXPECT_EQ(b.client.bytes_to_device(), 10u);
 }
 
 TEST(PortClient, ALoginGoesAheadOfTheRequest) {

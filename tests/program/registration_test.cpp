@@ -144,6 +144,17 @@ TEST(Registration, APlcThatIsSilentIsAskedAgainUntilTheTimeIsOver) {
   EXPECT_THAT(*outcome.fault, HasSubstr("in time"));
 }
 
+TEST(Registration, APartOfAResponseRestartsItsTime) {
+  Registration registration(words_rule());
+  const Duration response_time = registration.start(kStart).wake - kStart;
+  const auto part = registration.on_bytes(raw("@00RD"), kStart + milliseconds{300});
+  EXPECT_EQ(part.wake, kStart + milliseconds{300} + response_time);
+  const auto early = registration.on_timer(part.wake - milliseconds{1});
+  EXPECT_TRUE(early.send.empty());
+  EXPECT_EQ(early.wake, part.wake);
+  EXPECT_FALSE(registration.on_timer(part.wake).send.empty());
+}
+
 TEST(Registration, ABrokenResponseIsAskedAgainInSilence) {
   Registration registration(words_rule());
   (void)registration.start(kStart);
