@@ -332,9 +332,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   service.ready(reloader.status());
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
-    const Duration sleep = service.sleep(reloader.sleep());
-    const int signal = signals.wait(sleep);
-    if (identity.was_removed(signals.suspended())) reloader.join_again();
+    const int signal = signals.wait(service.sleep(reloader.sleep()));
     switch (signal) {
       case 0:
         log_summaries(steady_now());
@@ -351,6 +349,10 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
         service.reloading(steady_now());
         reloader.begin();
         service.ready(reloader.status());
+        break;
+      case kRemovedSignal:
+        reloader.join_again();
+        service.status(reloader.status());
         break;
       case SIGUSR1:
         trace = !trace;

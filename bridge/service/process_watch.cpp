@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/log/log.hpp"
@@ -20,7 +19,8 @@ namespace {
 sigset_t taken_signals() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set, signal);
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, kRemovedSignal})
+    sigaddset(&set, signal);
   return set;
 }
 
@@ -53,17 +53,7 @@ std::shared_ptr<void> Signals::if_stuck(std::function<void()> last_words) {
 
 int Signals::wait(Duration limit) {
   std::unique_lock lock(mutex_);
-  const Instant end = steady_now() + limit;
-  suspended_ = {};
-  for (;;) {
-    const Instant begun = boot_now();
-    const bool taken = changed_.wait_for(lock, std::min(kTurn, end - steady_now()),
-                                         [this] { return !taken_.empty(); });
-    const Duration lasted = boot_now() - begun;
-    if (lasted > 2 * kTurn) suspended_ = lasted;
-    if (taken) break;
-    if (suspended_ > Duration{} || steady_now() >= end) return 0;
-  }
+  if (!changed_.wait_for(lock, limit, [this] { return !taken_.empty(); })) return 0;
   const int signal = taken_.front();
   taken_.pop_front();
   return signal;
@@ -95,10 +85,6 @@ void IdentityWatch::joined(const DdsSpec& spec, UtcTime now) {
   folder_ = spec.security;
   not_after_ = folder_ ? security::end_of_member(*folder_) : std::nullopt;
   last_ = now;
-}
-
-bool IdentityWatch::was_removed(Duration suspended) const {
-  return folder_ && suspended >= kParticipantLease;
 }
 
 void IdentityWatch::look(UtcTime now) {

@@ -22,10 +22,9 @@ class Signals {
   // Limit of a stop; then the process is ended. An orderly stop needs less than two seconds, and
   // supervisors kill after ten at the earliest.
   static constexpr Duration kEndLimit = std::chrono::seconds{8};
-  static constexpr Duration kTurn = std::chrono::milliseconds{500};  // of a wait, to notice pauses
 
-  // wait() returns SIGHUP, SIGUSR1, SIGTERM and SIGINT. REQUIRES: no other thread runs yet, because
-  // only threads created later inherit the signal mask.
+  // wait() returns SIGHUP, SIGUSR1, SIGTERM, SIGINT and kRemovedSignal. REQUIRES: no other thread
+  // runs yet, because only threads created later inherit the signal mask.
   Signals();
   ~Signals();
   Signals(const Signals&) = delete;
@@ -36,10 +35,8 @@ class Signals {
 
   [[nodiscard]] bool ending() const { return ending_; }
 
-  // Returns the next signal, or 0 after the limit or a pause.
+  // Returns the next signal, or 0 after the limit.
   [[nodiscard]] int wait(Duration limit);
-  // The longest pause of the process or the machine during the last wait, at most kTurn too long.
-  [[nodiscard]] Duration suspended() const { return suspended_; }
 
  private:
   void take();
@@ -51,7 +48,6 @@ class Signals {
   std::deque<int> taken_;
   std::atomic<bool> ending_ = false;
   bool ended_ = false;
-  Duration suspended_{};
   std::thread thread_;  // last: it uses the members above
 };
 
@@ -61,7 +57,7 @@ class Signals {
 // expired since `last`. Pure.
 [[nodiscard]] bool is_look_due(std::optional<UtcTime> not_after, UtcTime last, UtcTime now);
 
-// Log of a program without a reload that ends after IdentityWatch::was_removed().
+// Log of a program without a reload that ends after kRemovedSignal.
 inline constexpr const char* kEndsRemoved =
     "was suspended, and the other members have removed it: it ends, and its service starts it "
     "again";
@@ -74,10 +70,6 @@ class IdentityWatch {
   void joined(const DdsSpec& spec, UtcTime now);
   // No effect without security, or before is_look_due().
   void look(UtcTime now);
-  // Whether this program must join again after it was suspended for so long: the other members have
-  // removed it, but it has not removed them, and Fast DDS 2.9 begins no second handshake with a
-  // member that it knows. False without security: then it is heard again by itself.
-  [[nodiscard]] bool was_removed(Duration suspended) const;
 
  private:
   const bool is_bridge_;

@@ -134,10 +134,6 @@ class SiteIdentities {
   void look() {
     for (fieldcast::IdentityWatch& each : each_) each.look(fieldcast::read_clocks().utc);
   }
-  [[nodiscard]] bool was_removed(fieldcast::Duration suspended) const {
-    return std::ranges::any_of(
-        each_, [&](const fieldcast::IdentityWatch& each) { return each.was_removed(suspended); });
-  }
 
  private:
   std::vector<fieldcast::IdentityWatch> each_;
@@ -178,7 +174,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   for (;;) {
     if (service.watched()) service.look(station.turns(), fieldcast::steady_now());
     const int signal = signals.wait(service.sleep(kHousekeeping));
-    const bool removed = identities.was_removed(signals.suspended());
+    const bool removed = signal == fieldcast::kRemovedSignal;
     if (removed) {
       fieldcast::log_error("web", fieldcast::kEndsRemoved);
     } else if (signal == 0) {

@@ -1,6 +1,8 @@
 #include "bridge/dds/transport/member_watch.hpp"
 
 #include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <utility>
 
@@ -60,7 +62,6 @@ void MemberWatch::run() {
   } while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
 }
 
-// See IdentityWatch::was_removed().
 void MemberWatch::look_at_pause(Duration pause) {
   if (pause < kParticipantLease) return;
   say_security(true,
@@ -68,6 +69,7 @@ void MemberWatch::look_at_pause(Duration pause) {
                    to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
                    ": other members do not hear it until it joins the domain again; a service does "
                    "that by itself, start other programs again");
+  ::kill(::getpid(), kRemovedSignal);
 }
 
 bool MemberWatch::has_new_identity() const {

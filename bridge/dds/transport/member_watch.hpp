@@ -2,7 +2,8 @@
 // every kPeriod. A new list of revoked certificates takes effect immediately; a renewed certificate
 // is only reported, because Fast DDS 2.9.1 reads it when a participant is created. A refused
 // participant stays refused until the process ends. A list that the authority has not signed is
-// ignored and reported, and so is a pause of the process beyond the lease of its participant.
+// ignored and reported. A pause of the process or the machine beyond the participant's lease is
+// reported, also by kRemovedSignal.
 #pragma once
 
 #include <algorithm>

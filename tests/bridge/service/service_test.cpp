@@ -134,16 +134,5 @@ TEST(IdentityWatch, LooksAgainWhenTheClockWasSetBack) {
   EXPECT_TRUE(is_look_due(after(10 * kDay), after(kSecond), kToday));
 }
 
-TEST(IdentityWatch, KnowsThatTheOthersRemovedASuspendedMember) {
-  DdsSpec spec;
-  IdentityWatch open(true), member(true);
-  open.joined(spec, kToday);
-  spec.security = "/none";
-  member.joined(spec, kToday);
-  EXPECT_FALSE(open.was_removed(std::chrono::hours{24}));
-  EXPECT_FALSE(member.was_removed(std::chrono::milliseconds{9999}));
-  EXPECT_TRUE(member.was_removed(seconds{10}));
-}
-
 }  // namespace
 }  // namespace fieldcast
