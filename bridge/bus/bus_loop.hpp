@@ -115,9 +115,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (!response_expected) return grant(granted);
     // The programming software must not receive the response to our last request.
     settling_ = granted;
-    Duration longest{};
-    for (const DeviceSpec& device : spec_.devices) longest = std::max(longest, device.timeout);
-    settled_.expires_after(std::min(longest, kLongestSettling));
+    settled_.expires_after(std::min(engine_.longest_timeout(), kLongestSettling));
     settled_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
       if (cancelled) return;
       if (const Granted asked = std::exchange(self->settling_, {})) self->grant(asked);

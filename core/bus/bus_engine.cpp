@@ -215,10 +215,15 @@ void BusEngine::handle(const LeaseBegan&, Instant now, ActionSink& sink) {
 // The response to the last request of the engineer may still arrive.
 void BusEngine::handle(const LeaseEnded&, Instant now, ActionSink& sink) {
   if (state_ != BusState::kLeased) return;
+  const Instant until = now + longest_timeout();
+  handle(Opened{until}, now, sink);
+  parts_.channels.start(until);
+}
+
+Duration BusEngine::longest_timeout() const {
   Duration longest{};
   for (const DeviceSpec& device : spec().devices) longest = std::max(longest, device.timeout);
-  handle(Opened{now + longest}, now, sink);
-  parts_.channels.start(now + longest);
+  return longest;
 }
 
 void BusEngine::handle(const StopRequested&, Instant now, ActionSink& sink) {

@@ -27,6 +27,7 @@ class BusEngine {
   BusEngine& operator=(const BusEngine&) = delete;
 
   [[nodiscard]] const BusSpec& spec() const { return parts_.setup.spec(); }
+  [[nodiscard]] Duration longest_timeout() const;  // of the configured devices
 
   // Continues another bridge's sample sequences and learned values. REQUIRES: no event yet.
   void inherit(const BusInheritance& inherited, Instant now);
