@@ -239,6 +239,9 @@ std::size_t end_of_blanks(std::string_view line) {
   return is_item ? std::min(line.find_first_not_of("- \t", content), line.size()) : 0;
 }
 
+// First bytes of all that readable() replaces.
+constexpr std::string_view kReplaced = "\t\r\xC2\xE2\xEF";
+
 // The text for the library, with the same lines and columns.
 std::string readable(std::string text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -257,11 +260,14 @@ std::string readable(std::string text) {
 
 class Parser {
  public:
-  explicit Parser(const std::string& source) : text_(readable(source)) {
+  // `source` must outlive this object.
+  explicit Parser(const std::string& source)
+      : copy_(source.find_first_of(kReplaced) == kNone ? "" : readable(source)) {
     if (yaml_parser_initialize(&parser_) == 0) throw std::bad_alloc();
     yaml_parser_set_encoding(&parser_, YAML_UTF8_ENCODING);
-    yaml_parser_set_input_string(&parser_, reinterpret_cast<const yaml_char_t*>(text_.data()),
-                                 text_.size());
+    const std::string& text = copy_.empty() ? source : copy_;
+    yaml_parser_set_input_string(&parser_, reinterpret_cast<const yaml_char_t*>(text.data()),
+                                 text.size());
   }
   ~Parser() {
     yaml_event_delete(&event_);
@@ -287,7 +293,7 @@ class Parser {
   }
 
  private:
-  const std::string text_;
+  const std::string copy_;  // empty if the source needs no replacement
   yaml_parser_t parser_{};
   yaml_event_t event_{};
 };

@@ -124,6 +124,18 @@ TEST(Files, SmallWindowsHabitsAreTolerated) {
   EXPECT_EQ(faults_of(load_text(crlf, "plant.yaml", {})), "");
 }
 
+TEST(Files, EachSignThatLibyamlTreatsOtherwiseIsReplacedAlone) {
+  for (const auto* text :
+       {"# a\rb\nc: d", "# a\u0085b\nc: d", "# a\u2028b\nc: d", "# a\u2029b\nc: d",
+        "# a\uFFFE\nc: d", "# a\uFFFF\nc: d", "\t# a\nc: d", "c: d\r\n"}) {
+    FaultList faults;
+    const auto document = parse_yaml(Source{"plant.yaml", text, 0}, faults);
+    ASSERT_TRUE(document->root != nullptr && faults.empty()) << text;
+    ASSERT_EQ(document->root->entries.size(), 1u) << text;
+    EXPECT_EQ(document->root->entries.begin()->value->text, "d") << text;
+  }
+}
+
 TEST(Places, AreThoseOfTheValueOrOfTheMapWithoutTheKey) {
   Places places;
   EXPECT_EQ(places.at("dds.security"), "");
