@@ -206,15 +206,8 @@ void OutcomeRouter::connection_lost(const Flight& flight, Cause cause, Instant n
                                     ActionSink& sink) {
   if (flight.spare_time) return;  // see DeviceMonitor::gateway_read_ended()
   const DeviceIndex device = flight.asked.device;
-  DeviceMonitor::Try ended;
-  ended.device = device;
-  ended.cause = cause;
-  ended.rest = flight.rest;
-  devices_.tried(ended, now, sink);
-  Wire::Ended failure;
-  failure.cause = cause;
-  failure.spent = now - flight.started;
-  (void)device_failed(device, failure, true, now, sink);
+  devices_.tried({.device = device, .cause = cause, .rest = flight.rest}, now, sink);
+  device_failed(device, {.cause = cause, .spent = now - flight.started}, true, now, sink);
   arbiter_.suspend(device, now);
 }
 
