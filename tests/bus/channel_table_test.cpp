@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-
 namespace fieldcast {
 namespace {
 
@@ -419,73 +417,6 @@ TEST(ChannelTable, WhatIsNotGoodIsReportedAgainAndTheNextReadingWhateverTheDeadb
   EXPECT_EQ(out[0].quality, Quality::kBadDeviceError);
   table.acquired(0, 16, items(8), Instant{1200ms}, out);
   EXPECT_EQ(out.size(), 2u);
-}
-
-ChannelSpec calculated(const std::string& name) {
-  ChannelSpec spec = channel(name, 1s);
-  spec.encoding.type = ValueType::kFloat64;
-  spec.calculation.value = std::make_shared<Calculation>();
-  return spec;
-}
-
-Calculated result(double value, Duration acquired, Quality quality = Quality::kGood) {
-  return {.value = value, .quality = quality, .acquired = Instant{acquired}};
-}
-
-TEST(ChannelTable, ACalculatedSampleHasTheTimeOfItsInputs) {
-  const BusSpec bus = one_device({calculated("power")});
-  ChannelTable table(bus);
-  std::vector<Sample> out;
-  table.calculated(0, result(7, 1s), Instant{2s}, out);
-  ASSERT_EQ(out.size(), 1u);
-  EXPECT_EQ(out[0].value, Value{7.0});
-  EXPECT_EQ(out[0].acquired, Instant{1s});
-  EXPECT_EQ(out[0].sequence, 1u);
-}
-
-TEST(ChannelTable, ACalculatedChannelReportsABadInputOnceAndKeepsItsValue) {
-  const BusSpec bus = one_device({calculated("power")});
-  ChannelTable table(bus);
-  std::vector<Sample> out;
-  table.calculated(0, result(0, 0s, Quality::kNotYetRead), Instant{1s}, out);
-  EXPECT_TRUE(out.empty()) << "there was no value";
-  table.calculated(0, result(7, 1s), Instant{1s}, out);
-  table.calculated(0, result(0, 1s, Quality::kBadFrame), Instant{2s}, out);
-  table.calculated(0, result(0, 1s, Quality::kBadFrame), Instant{3s}, out);
-  ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[1].quality, Quality::kBadFrame);
-  EXPECT_EQ(out[1].value, Value{7.0});
-  EXPECT_EQ(out[1].acquired, Instant{1s});
-  table.calculated(0, result(0, 0s, Quality::kNotYetRead), Instant{4s}, out);
-  EXPECT_EQ(out.back().quality, Quality::kUncertain) << "an old value without its input";
-}
-
-// Its inputs report a miss at 1003 ms. It does so itself only if they do not, for example because
-// the thread of their bus hangs.
-TEST(ChannelTable, ACalculatedChannelIsUncertainSoonAfterItsInputsAreLate) {
-  const BusSpec bus = one_device({calculated("power")});
-  ChannelTable table(bus);
-  std::vector<Sample> out;
-  table.start(Instant{});
-  table.calculated(0, result(7, 0s), Instant{}, out);
-  table.expire(Instant{1050ms}, out);
-  ASSERT_EQ(out.size(), 1u);
-  table.expire(Instant{1200ms}, out);
-  ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[1].quality, Quality::kUncertain);
-}
-
-TEST(ChannelTable, TheWireOfABusDoesNotDecideItsCalculatedChannels) {
-  const BusSpec bus = one_device({calculated("power")});
-  ChannelTable table(bus);
-  std::vector<Sample> out;
-  table.start(Instant{});
-  table.calculated(0, result(7, 0s), Instant{}, out);
-  table.failing(0, Cause::kPortClosed, Instant{1s});
-  table.all_uncertain(Instant{1s}, out);
-  EXPECT_EQ(out.size(), 1u);
-  table.calculated(0, result(8, 1s), Instant{1s}, out);
-  EXPECT_EQ(out.back().quality, Quality::kGood);
 }
 
 // Regression: a value that a command had read stayed GOOD for ever.

@@ -362,24 +362,6 @@ TEST(ValueCodec, ZeroIsADecimalNumber) {
   }
 }
 
-TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x8000"), 0x8000u);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "-32768"), 0x8000u);
-  EXPECT_EQ(parse_not_available({.type = ValueType::kInt16, .scale = 0.1}, "32767"), 0x7FFFu);
-  EXPECT_EQ(parse_not_available(of(ValueType::kUint64), "0xFFFFFFFFFFFFFFFF"), UINT64_MAX);
-  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "0xFF7FFFFF"), 0xFF7FFFFFu);
-  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "-1"), 0xBF800000u);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "32768").error(), Cause::kRange);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x10000").error(), Cause::kRange);
-  EXPECT_EQ(parse_not_available(of(ValueType::kBcd16), "12345").error(), Cause::kRange);
-  for (const char* nan : {"nan", "NaN", ".nan", ".NaN"}) {
-    EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), nan), 0x7FC00000u) << nan;
-    EXPECT_EQ(parse_not_available(of(ValueType::kFloat64), nan), 0x7FF8000000000000u) << nan;
-    EXPECT_EQ(parse_not_available(of(ValueType::kUint16), nan).error(), Cause::kWrongType) << nan;
-  }
-  EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "").error(), Cause::kWrongType);
-}
-
 // The encoding of a type whose exponent is in the item at `distance` from the value.
 Encoding with_exponent(ValueType type, std::int32_t distance) {
   return {.type = type, .exponent_distance = distance};
@@ -439,67 +421,6 @@ TEST(Exponent, OneThatIsNotAvailableOrTooLargeMakesTheValueBad) {
 TEST(Exponent, AValueWithOneIsNotWritten) {
   EXPECT_EQ(encode_value(with_exponent(ValueType::kInt16, 1), 16, Value{12.34}),
             tl::unexpected(Cause::kReadOnly));
-}
-
-TEST(ValueText, NamesOfTypesLeadBack) {
-  for (int type = 0; type <= static_cast<int>(ValueType::kBcd8); ++type) {
-    EXPECT_EQ(value_type_from(to_text(static_cast<ValueType>(type))), static_cast<ValueType>(type));
-  }
-  EXPECT_EQ(value_type_from("int24"), std::nullopt);
-}
-
-TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
-  EXPECT_EQ(parse_value(of(ValueType::kBool), " On "), Value{true});
-  EXPECT_EQ(parse_value(of(ValueType::kBool), "0"), Value{false});
-  EXPECT_EQ(parse_value(of(ValueType::kInt16), "-12"), i(-12));
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "0x1F"), u(31));
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "2.0"), u(2));
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551615"), u(UINT64_MAX));
-  EXPECT_EQ(parse_value(of(ValueType::kInt64), "-9223372036854775808"), i(INT64_MIN));
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "1e19"), u(10'000'000'000'000'000'000u));
-  for (const char* text : {"2e19", "-2e19"})
-    EXPECT_EQ(parse_value(of(ValueType::kUint64), text), tl::unexpected(Cause::kRange)) << text;
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "7"), Value{7.0});
-  EXPECT_EQ(parse_value({.type = ValueType::kInt16, .scale = 0.1}, "+2.5"), Value{2.5});
-  EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "),
-            Value{std::string(" x ")});
-}
-
-TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
-  const auto wrong = tl::unexpected(Cause::kWrongType);
-  const auto range = tl::unexpected(Cause::kRange);
-  for (const auto* text : {"", "-", "+-1", "1 2", "0x", "0xG", "1e", "abc", "2.5", "--3"}) {
-    EXPECT_EQ(parse_value(of(ValueType::kInt16), text), wrong) << text;
-  }
-  EXPECT_EQ(parse_value(of(ValueType::kBool), "2"), wrong);
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "-1"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "nan"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "inf"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat64), "1e999"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kInt64), "9223372036854775808"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551616"), range);
-}
-
-TEST(EncodingText, IsReadAgain) {
-  for (const char* text : {"bool", "uint16", "float64", "string(1)", "string(16)"}) {
-    const auto encoding = encoding_from(text);
-    ASSERT_TRUE(encoding) << text;
-    EXPECT_EQ(to_text(*encoding), text);
-  }
-  for (const char* text : {"", "uint17", "uint16(2)", "string", "string(", "string()", "string(0)",
-                           "string(16", "string(16))", "string(16]", "string(99999)"})
-    EXPECT_FALSE(encoding_from(text)) << text;
-  EXPECT_EQ(encoding_from("string(" + std::to_string(kMaxStringBytes) + ")")->string_bytes,
-            kMaxStringBytes);
-  EXPECT_FALSE(encoding_from("string(" + std::to_string(kMaxStringBytes + 1) + ")"));
-}
-
-TEST(ValueText, WordsOfABoolHaveNoCase) {
-  const Encoding encoding{.type = ValueType::kBool};
-  for (const char* text : {"FALSE", "Off", "NO", "0"})
-    EXPECT_EQ(parse_value(encoding, text), Value{false}) << text;
-  for (const char* text : {"TRUE", "On", "YES", "1"})
-    EXPECT_EQ(parse_value(encoding, text), Value{true}) << text;
 }
 
 }  // namespace
