@@ -30,9 +30,13 @@ BusSpec one_meter() {
   return bus;
 }
 
+// Returns when the service has done all calls before this one, at the latest after 0.5 s.
+void settle(CaptureService& service) { service.remove_bus("none"); }
+
 class Client {
  public:
-  Client() : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit Client(CaptureService& service)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const auto name = capture_socket_name(::geteuid(), std::string(kBridge), ::getpid());
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -40,9 +44,9 @@ class Client {
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     const timeval limit{10, 0};
     ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    for (int i = 0; i < 1000 && !connected_; ++i) {  // it listens soon
+    for (int i = 0; i < 20 && !connected_; ++i) {
+      settle(service);  // it listens
       connected_ = ::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), size) == 0;
-      if (!connected_) ::usleep(1000);
     }
   }
   [[nodiscard]] bool connected() const { return connected_; }
@@ -95,7 +99,7 @@ Found read(ByteView bytes) {
 TEST(CaptureServiceTest, AClientGetsTheFramesOfItsBusWhileItListens) {
   CaptureService service{std::string(kBridge)};
   const auto tap = service.add_bus(one_meter());
-  Client client;
+  Client client(service);
   ASSERT_TRUE(client.connected());
   EXPECT_FALSE(tap->wanted());
   client.say("capture line\n");
@@ -114,19 +118,19 @@ TEST(CaptureServiceTest, AClientGetsTheFramesOfItsBusWhileItListens) {
 TEST(CaptureServiceTest, AClientThatEndsGetsTheEndOfItsFile) {
   CaptureService service{std::string(kBridge)};
   const auto tap = service.add_bus(one_meter());
-  Client client;
+  Client client(service);
   client.say("capture line\n");
   ASSERT_EQ(client.line(), "ok");
   client.end();
   EXPECT_TRUE(read(client.rest()).whole);
-  for (int i = 0; i < 2000 && tap->wanted(); ++i) ::usleep(1000);
+  for (int i = 0; i < 20 && tap->wanted(); ++i) settle(service);
   EXPECT_FALSE(tap->wanted());
 }
 
 TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
   CaptureService service{std::string(kBridge)};
   const auto tap = service.add_bus(one_meter());
-  Client client;
+  Client client(service);
   client.say("capture line\n");
   ASSERT_EQ(client.line(), "ok");
   for (const std::size_t bytes : {std::size_t{100}, CaptureTap::kMaxBytes + 1, std::size_t{100}})
@@ -140,7 +144,7 @@ TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
 TEST(CaptureServiceTest, ARequestForNoBusReturnsThoseThatExist) {
   CaptureService service{std::string(kBridge)};
   (void)service.add_bus(one_meter());
-  Client list, other, nonsense;
+  Client list(service), other(service), nonsense(service);
   list.say("list\n");
   EXPECT_EQ(list.line(), "ok bridge service-test buses line");
   other.say("capture lime\n");
@@ -153,7 +157,7 @@ TEST(CaptureServiceTest, AnotherUserIsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can be another user";
   CaptureService service{std::string(kBridge)};
   (void)service.add_bus(one_meter());
-  Client first;  // waits for the listener
+  Client first(service);  // waits for the listener
   ASSERT_TRUE(first.connected());
   const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
   const pid_t child = ::fork();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bridge/base/clock.hpp"
@@ -116,16 +115,18 @@ TEST_F(HistoryServiceTest, AFloodOfHugeRequestsIsRefusedAndTheNextOneIsServed) {
     service.receive(hostile, "");
   }
   const auto is_served = [&] {
-    service.receive(request(), "");
-    const std::lock_guard lock(mutex);
     return std::ranges::any_of(responses, [](const auto& each) {
       return each.first.requester == "r" && each.second.outcome == HistoryOutcome::kRows;
     });
   };
-  for (int i = 0; i < 3000 && !is_served(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds{10});
+  std::unique_lock lock(mutex);
+  for (int i = 0; i < 3000 && !is_served(); ++i) {
+    lock.unlock();
+    service.receive(request(), "");
+    lock.lock();
+    changed.wait_for(lock, std::chrono::milliseconds{10}, is_served);
+  }
   EXPECT_TRUE(is_served());
-  const std::lock_guard lock(mutex);
   const auto flood = std::ranges::count_if(
       responses, [](const auto& each) { return each.first.requester != "r"; });
   // One more may have been taken from the queue while the others arrived.
