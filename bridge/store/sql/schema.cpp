@@ -15,17 +15,22 @@ namespace {
 constexpr const char* kSteps[] = {
     R"(
 create table channels (
-  id {id}, bus text not null, device text not null, channel text not null, unit text not null, unique (bus, device, channel));
+  id {id}, bus text not null, device text not null, channel text not null, unit text not null,
+  unique (bus, device, channel));
 
--- value_kind 0 boolean, 1 int64, 2 uint64 (as the int64 of the same bits), 3 double (null: not a number), 4 string.
--- Times are UTC in nanoseconds. published_at orders what happened, acquired_at says how old the value is.
+-- value_kind 0 boolean, 1 int64, 2 uint64 (as the int64 of the same bits), 3 double (null: not a
+-- number), 4 string. Times are UTC in nanoseconds. published_at orders what happened, acquired_at
+-- says how old the value is.
 create table samples (
-  channel bigint not null, published_at bigint not null, sequence bigint not null, acquired_at bigint not null,
+  channel bigint not null, published_at bigint not null, sequence bigint not null,
+  acquired_at bigint not null,
   quality smallint not null, device_code integer not null, value_kind smallint not null,
   integer_value bigint, real_value double precision, text_value text,
   primary key (channel, published_at, sequence)) {clustered};
 
-create table users (name text primary key, role text not null, password_hash text not null, created_at bigint not null);
+create table users (
+  name text primary key, role text not null, password_hash text not null,
+  created_at bigint not null);
 
 create table devices (
   bus text not null, device text not null, protocol text not null, address text not null,
@@ -46,7 +51,8 @@ create index audit_at on audit (at);
     R"(
 -- Commands that were taken, noted before they run; request_id as the int64 of the same bits.
 create table commands (
-  requester text not null, request_id bigint not null, taken_at bigint not null, primary key (requester, request_id)) {clustered};
+  requester text not null, request_id bigint not null, taken_at bigint not null,
+  primary key (requester, request_id)) {clustered};
 create index commands_taken_at on commands (taken_at);
 )",
     // For users and Grafana; docs/store.md describes every column. SQLite reads the tables of a
@@ -165,7 +171,8 @@ select id, {time at} as at, table_name, content, reason, at as at_ns from quaran
     // Epochs of the catalogues of buses (UTC nanoseconds). The samples that a bus published from an
     // epoch until the next one belong to it.
     R"(
-create table bus_epochs (bus text not null, epoch bigint not null, primary key (bus, epoch)) {clustered};
+create table bus_epochs (
+  bus text not null, epoch bigint not null, primary key (bus, epoch)) {clustered};
 )",
     // Documents of the station. Each version of a dashboard is a row. A picture is SVG, or PNG in
     // base64; width and height are in its own units.
@@ -213,7 +220,8 @@ alter table notifications add column attachment text not null default '';
     R"(
 create table late_ranges (
   bus text not null, device text not null, start bigint not null, until bigint not null,
-  samples bigint not null, received_at bigint not null, primary key (bus, device, start)) {clustered};
+  samples bigint not null, received_at bigint not null,
+  primary key (bus, device, start)) {clustered};
 )",
 };
 
