@@ -39,7 +39,8 @@ buses:
       - name: recorder
         address: 1
         channels:
-          - { name: queued, at: "fifo:7", type: uint16, refresh: 200ms, limits: { low: 0, high: 40 } }
+          - { name: queued, at: "fifo:7", type: uint16, refresh: 200ms,
+              limits: { low: 0, high: 40 } }
           - { name: second, at: "fifo:7:2", type: uint16, refresh: 200ms }
 )";
 

@@ -16,7 +16,8 @@ areas: [{ name: state, record: true }]
 operations:
   - name: read
     read: state
-    request: [{ name: start, constant: "R" }, { is: address }, { is: checksum, kind: xor, of: start..address }]
+    request: [{ name: start, constant: "R" }, { is: address },
+              { is: checksum, kind: xor, of: start..address }]
     answer: &state
       - { name: start, constant: "A" }
       - { is: address }
@@ -85,7 +86,8 @@ operations:
       - { is: checksum, kind: crc16-modbus, of: start..target, bytes: 2 }
   - name: set
     write: state
-    request: [{ name: start, constant: "W" }, { is: address }, { is: decimals, of: target }, { name: target, is: value, bytes: 2, signed: true }]
+    request: [{ name: start, constant: "W" }, { is: address }, { is: decimals, of: target },
+              { name: target, is: value, bytes: 2, signed: true }]
     answer: *state
 )";
 

@@ -21,7 +21,9 @@ operations:
     read: state
     before:
       - request: [{ name: ask, constant: "/" }, { is: address }, { name: end, constant: "!" }]
-        answer: [{ name: begin, constant: "/" }, { name: rate, is: rate, fill: 0x35, rates: { 0x30: 300, 0x35: 9600 } }, { name: end, constant: "!" }]
+        answer: [{ name: begin, constant: "/" },
+                 { name: rate, is: rate, fill: 0x35, rates: { 0x30: 300, 0x35: 9600 } },
+                 { name: end, constant: "!" }]
     request: [{ name: acknowledge, constant: 6 }, { is: rate }, { name: end, constant: "!" }]
     answer:
       - { name: begin, constant: 2 }

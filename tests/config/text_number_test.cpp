@@ -14,7 +14,8 @@ operations:
   - name: read
     read: state
     request: [{ constant: "R" }, { is: address }]
-    answer: [{ constant: "A" }, { name: level, is: value, text: 7 }, { name: target, is: value, text: "+000.00" }, { name: unit, is: value, text: 3 }]
+    answer: [{ constant: "A" }, { name: level, is: value, text: 7 },
+             { name: target, is: value, text: "+000.00" }, { name: unit, is: value, text: 3 }]
 )";
 
 Loaded gauge(const std::string& channel) {

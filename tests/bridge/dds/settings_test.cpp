@@ -37,7 +37,8 @@ class TextFile {
 
 std::string participant_profile(const std::string& name, const std::string& rtps_elements) {
   return R"(<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles><participant profile_name=")" +
+<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
+<participant profile_name=")" +
          name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
 }
 

@@ -18,18 +18,24 @@ operations:
   - name: read
     read: D
     count: 20
-    request: [{ name: ask, constant: "R" }, { is: first, as: decimal, digits: 4, plus: 1000 }, { is: last, as: decimal, digits: 4, plus: 1000 }]
-    answer: [{ name: ask, constant: "r" }, { is: last, as: decimal, digits: 4, plus: 1000 }, { is: items, as: hex }]
+    request: [{ name: ask, constant: "R" }, { is: first, as: decimal, digits: 4, plus: 1000 },
+              { is: last, as: decimal, digits: 4, plus: 1000 }]
+    answer: [{ name: ask, constant: "r" }, { is: last, as: decimal, digits: 4, plus: 1000 },
+             { is: items, as: hex }]
   - name: write
     write: D
     count: 20
-    request: &set [{ name: ask, constant: "W" }, { is: first, as: decimal, digits: 4, plus: 1000 }, { is: last, as: decimal, digits: 4, plus: 1000 }, { is: items, as: hex }]
+    request: &set [{ name: ask, constant: "W" }, { is: first, as: decimal, digits: 4, plus: 1000 },
+                   { is: last, as: decimal, digits: 4, plus: 1000 }, { is: items, as: hex }]
     answer: *set
   - name: read the higher ones
     read: D-high
     count: 20
-    request: [{ name: ask, constant: "R" }, { is: first, as: decimal, digits: 4, times: 2, plus: 5000 }, { is: last, as: decimal, digits: 4, times: 2, plus: 5000 }]
-    answer: [{ name: ask, constant: "r" }, { is: last, as: decimal, digits: 4, times: 2, plus: 5000 }, { is: items, as: hex }]
+    request: [{ name: ask, constant: "R" },
+              { is: first, as: decimal, digits: 4, times: 2, plus: 5000 },
+              { is: last, as: decimal, digits: 4, times: 2, plus: 5000 }]
+    answer: [{ name: ask, constant: "r" },
+             { is: last, as: decimal, digits: 4, times: 2, plus: 5000 }, { is: items, as: hex }]
 )";
 
 Device ranges() {

@@ -39,7 +39,8 @@ operations:
   - name: read
     read: word
     request: [{1}{{ is: first }}, {{ name: end, constant: [{2}] }}]
-    answer: [{1}{{ is: first }}, {{ is: items }}, {{ is: checksum, kind: sum, of: first..items }}, {{ name: end, constant: [{2}] }}]
+    answer: [{1}{{ is: first }}, {{ is: items }}, {{ is: checksum, kind: sum, of: first..items }},
+             {{ name: end, constant: [{2}] }}]
 )",
                                                                 escape, first, end),
                                                     "test.yaml");

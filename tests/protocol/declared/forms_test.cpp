@@ -19,7 +19,8 @@ areas: [{ name: cells, record: true }]
 operations:
   - name: read
     read: cells
-    request: [{ name: head, constant: 0xA5 }, { is: address }, { is: checksum, kind: sum, of: head..address }]
+    request: [{ name: head, constant: 0xA5 }, { is: address },
+              { is: checksum, kind: sum, of: head..address }]
     answer:
       - { name: head, constant: 0x5A }
       - repeat: 3

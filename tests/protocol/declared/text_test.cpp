@@ -160,7 +160,8 @@ operations:
     answer: [{ is: address }, { name: ask, constant: 3 }, { is: first }, { is: items }]
   - name: set
     write: r
-    request: [{ is: address }, { name: ask, constant: 6 }, { is: first }, { is: items }, { name: end, constant: 0 }]
+    request: [{ is: address }, { name: ask, constant: 6 }, { is: first }, { is: items },
+              { name: end, constant: 0 }]
     answer: [{ is: address }, { name: did, constant: 6 }, { is: first }, { is: items }, )" +
                            end_of_response + "]\n",
                        1)
@@ -185,8 +186,13 @@ areas: [{ name: state, record: true }]
 operations:
   - name: read
     read: state
-    request: [{ is: address, as: decimal, digits: 3 }, { name: ask, constant: "0034902=?" }, { is: checksum, kind: sum, of: address..ask, as: decimal, digits: 3 }, { name: end, constant: "\r" }]
-    answer: [{ is: address, as: decimal, digits: 3 }, { name: tell, constant: "1034906" }, { name: name, is: value, text: 6 }, { is: checksum, kind: sum, of: address..name, as: decimal, digits: 3 }, { name: end, constant: "\r" }]
+    request: [{ is: address, as: decimal, digits: 3 }, { name: ask, constant: "0034902=?" },
+              { is: checksum, kind: sum, of: address..ask, as: decimal, digits: 3 },
+              { name: end, constant: "\r" }]
+    answer: [{ is: address, as: decimal, digits: 3 }, { name: tell, constant: "1034906" },
+             { name: name, is: value, text: 6 },
+             { is: checksum, kind: sum, of: address..name, as: decimal, digits: 3 },
+             { name: end, constant: "\r" }]
 )",
                                    1);
   const auto text = [](std::string_view characters) {
@@ -208,8 +214,10 @@ areas: [{ name: state, record: true }]
 operations:
   - name: read
     read: state
-    request: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 }, { name: end, constant: "?" }]
-    answer: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 }, { name: rest, is: unused, text: 2 }, { name: level, is: value }]
+    request: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 },
+              { name: end, constant: "?" }]
+    answer: [{ name: stx, constant: [0x02] }, { is: address, plus: 0x80 },
+             { name: rest, is: unused, text: 2 }, { name: level, is: value }]
 )",
                                                     "test.yaml");
   ASSERT_TRUE(loaded) << config::to_text(std::span(loaded.error()));

@@ -98,7 +98,8 @@ operations:
   - name: read
     read: state
     request: [{ is: address, text: 2 }, { name: ask, constant: "?" }]
-    answer: [{ is: address, text: 2 }, { name: tell, constant: "=" }, { name: weight, is: value, text: "000" }]
+    answer: [{ is: address, text: 2 }, { name: tell, constant: "=" },
+             { name: weight, is: value, text: "000" }]
 )";
   EXPECT_EQ(fault_of(named, "Q7"), "");
   EXPECT_THAT(fault_of(named, "Q77"), HasSubstr("address 'Q77' is outside"));

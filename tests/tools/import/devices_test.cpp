@@ -58,7 +58,8 @@ TEST(ImportWb, WhatTheUsualDeviceLacksIsReadByCommand) {
 
 TEST(ImportWb, WhatCannotBeMovedHasItsReason) {
   const auto outcome = imported("config-meter.json", kWbHead + R"(
-    { "name": "text", "reg_type": "input", "address": 1, "format": "string", "string_data_size": 6 },
+    { "name": "text", "reg_type": "input", "address": 1, "format": "string",
+      "string_data_size": 6 },
     { "name": "bits", "reg_type": "input", "address": "1:2:3" },
     { "name": "odd", "reg_type": "input", "address": 3, "format": "u24" },
     { "name": "foreign", "reg_type": "relay", "address": 3 },
@@ -342,7 +343,8 @@ TEST(ImportNeuron, TagsOfGroupsBecomeChannelsOfEachSlave) {
     "params": { "link": 0, "device": "/dev/ttyS2", "baud": 3, "parity": 2, "data": 3, "stop": 0,
                 "timeout": 3000, "interval": 20, "endianess": 4 },
     "groups": [ { "group": "g", "interval": 3000, "tags": [
-      { "name": "power", "address": "1!400001", "attribute": 1, "type": 9, "decimal": 0.1, "bias": 5 },
+      { "name": "power", "address": "1!400001", "attribute": 1, "type": 9, "decimal": 0.1,
+        "bias": 5 },
       { "name": "count", "address": "2!300010#BB", "attribute": 3, "type": 6 },
       { "name": "run", "address": "1!000003", "attribute": 3, "type": 11 },
       { "name": "flag", "address": "1!400020.4", "attribute": 1, "type": 11 },
@@ -363,9 +365,11 @@ TEST(ImportNeuron, TagsOfGroupsBecomeChannelsOfEachSlave) {
 TEST(ImportNeuron, ANodeWithoutSettingsHasNotThoseOfTheNodeBefore) {
   const auto outcome = import_text("neuron.json", R"({ "nodes": [
     { "name": "first", "params": { "host": "10.0.0.1", "timeout": 3000, "interval": 20 },
-      "groups": [ { "group": "g", "tags": [ { "name": "a", "address": "1!400001", "type": 4 } ] } ] },
+      "groups": [ { "group": "g",
+                    "tags": [ { "name": "a", "address": "1!400001", "type": 4 } ] } ] },
     { "name": "second",
-      "groups": [ { "group": "g", "tags": [ { "name": "b", "address": "2!400001", "type": 4 } ] } ] }
+      "groups": [ { "group": "g",
+                    "tags": [ { "name": "b", "address": "2!400001", "type": 4 } ] } ] }
     ] })");
   ASSERT_TRUE(outcome) << outcome.error();
   const std::string& text = outcome->files.front().text;

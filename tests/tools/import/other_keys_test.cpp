@@ -70,7 +70,8 @@ TEST(ImportOtherKeys, OfNeuronAreNamedInJsonAndInTables) {
 TEST(ImportOtherKeys, OfATemplateOfWbAreNamedOnceForAllItsDevices) {
   const auto outcome = imported_files(
       {{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
-          {"name":"x","reg_type":"holding","address":1,"group":"g","sporadic":true,"enum":[1]}]}})"},
+          {"name":"x","reg_type":"holding","address":1,"group":"g","sporadic":true,
+           "enum":[1]}]}})"},
        {"wb.conf", R"({"ports":[{"path":"/dev/ttyS1","devices":[
           {"device_type":"a","slave_id":1},{"device_type":"a","slave_id":2}]}]})"}},
       {});

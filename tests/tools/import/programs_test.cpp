@@ -205,7 +205,8 @@ TEST(ImportMqmgateway, TopicsBecomeChannelsOfEverySlave) {
 TEST(ImportMqmgateway, ACommandMakesWhatIsReadWritable) {
   const auto outcome = imported("config.yaml", kMqm + R"(
     - topic: valve
-      commands: [ { name: set, register: hall.1.5, register_type: holding, converter: std.multiply(10) } ]
+      commands: [ { name: set, register: hall.1.5, register_type: holding,
+                  converter: std.multiply(10) } ]
       state: { register: hall.1.5, register_type: holding, converter: std.divide(10) }
 )");
   EXPECT_EQ(outcome.rows.size(), 1u);

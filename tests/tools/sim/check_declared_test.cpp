@@ -260,14 +260,17 @@ operations:
     read: state
     command: 0x50
     request: [{ is: address, text: 4 }, { is: command }, { name: end, constant: "\r" }]
-    answer: [{ is: address, text: 4 }, { name: is, constant: " " }, { name: flags, is: value, bytes: 2 }]
+    answer: [{ is: address, text: 4 }, { name: is, constant: " " },
+             { name: flags, is: value, bytes: 2 }]
   - name: level
     read: level
     request: [{ is: address, text: 4 }, { name: end, constant: "\r" }]
-    answer: [{ is: address, text: 4 }, { name: is, constant: "=" }, { name: mark, is: value, bytes: 2 }]
+    answer: [{ is: address, text: 4 }, { name: is, constant: "=" },
+             { name: mark, is: value, bytes: 2 }]
   - name: set
     write: level
-    request: [{ is: address, text: 4 }, { name: set, constant: "S" }, { name: mark, is: value, bytes: 2 }]
+    request: [{ is: address, text: 4 }, { name: set, constant: "S" },
+              { name: mark, is: value, bytes: 2 }]
     answer: [{ is: address, text: 4 }, { name: did, constant: "!" }]
 )",
                                                          "controllers.yaml");

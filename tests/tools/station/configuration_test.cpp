@@ -45,7 +45,8 @@ TEST(StationConfiguration, AStreamHasTheKeysOfAForwarder) {
   EXPECT_FALSE(load("station: hall\n")->stream);
   const auto loaded = load(R"(
 station: hall
-stream: { servers: ["tls://nats.example:4222"], authority: ca.pem, user: hall, password-file: p, sample-stream: PLANTS }
+stream: { servers: ["tls://nats.example:4222"], authority: ca.pem, user: hall, password-file: p,
+          sample-stream: PLANTS }
 )");
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());
   ASSERT_TRUE(loaded->stream);
