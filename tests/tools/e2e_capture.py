@@ -143,17 +143,23 @@ def setUpModule():
 
 
 def captured(buses, trial):
-    """Captures all buses during a write, without files of an earlier trial; tshark's results."""
+    """Captures buses, `ascii` during a write, without files of an earlier trial; tshark's results."""
     paths = {bus: os.path.join(plant.run, bus + ".pcapng") for bus in buses}
     if trial > 0:
         for path in paths.values():
             os.unlink(path)
-    running = {bus: capture(bus, path, "--seconds", SECONDS) for bus, path in paths.items()}
+    running = {bus: capture(bus, path, *([] if bus == "ascii" else ["--seconds", SECONDS])) for bus, path in paths.items()}
     for process in running.values():
         unittest.addModuleCleanup(ended, process)
-    write = plant.cli("write", "ascii/mixer/speed=4711", "--verify")
-    if write.code != 0:
-        raise AssertionError(str(write))
+    if "ascii" in running:
+        size = lambda: os.path.exists(paths["ascii"]) and os.path.getsize(paths["ascii"])
+        wait_until(size, 10, "the capture begins")
+        write = plant.cli("write", "ascii/mixer/speed=4711", "--verify")
+        if write.code != 0:
+            raise AssertionError(str(write))
+        written = size()
+        wait_until(lambda: size() > written + 1000, 10, "frames come after the write")
+        running["ascii"].send_signal(signal.SIGINT)
     for bus, process in running.items():
         out, err = process.communicate(timeout=30)
         if process.returncode != 0 or not re.fullmatch(rf"fieldcast capture: \d+ frames of {bus}\n", err):
