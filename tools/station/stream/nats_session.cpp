@@ -1,6 +1,5 @@
 #include "tools/station/stream/nats_session.hpp"
 
-#include <array>
 #include <string_view>
 #include <utility>
 
@@ -12,22 +11,6 @@ namespace fieldcast::web {
 namespace {
 
 constexpr Duration kConnectPause = std::chrono::seconds{2};  // after a failed attempt
-
-// Without the login that a URL may contain.
-std::string server_of(natsConnection* connection) {
-  std::array<char, 256> url{};
-  if (natsConnection_GetConnectedUrl(connection, url.data(), url.size()) != NATS_OK) return "?";
-  const std::string_view text(url.data());
-  const std::size_t at = text.rfind('@');
-  return std::string(at == text.npos ? text : text.substr(at + 1));
-}
-
-std::string reason_of(natsConnection* connection) {
-  const char* last = nullptr;
-  const natsStatus status = natsConnection_GetLastError(connection, &last);
-  if (last != nullptr && *last != '\0') return last;
-  return status == NATS_OK ? "the server does not respond" : natsStatus_GetText(status);
-}
 
 std::string value_of(kvEntry* entry) {
   return {static_cast<const char*>(kvEntry_Value(entry)),
@@ -77,7 +60,7 @@ void NatsSession::connect() {
 bool NatsSession::is_ready(Instant now) {
   // The library gives a connection up after repeated refusals of the login.
   if (connection_ && natsConnection_IsClosed(connection_.get())) {
-    report("disconnected: " + reason_of(connection_.get()));
+    report("disconnected: " + forward::reason_of(connection_.get()));
     disconnect();
     next_attempt_ = now + kConnectPause;
   }
@@ -93,9 +76,9 @@ bool NatsSession::is_ready(Instant now) {
     ++generation_;
     buckets_.clear();
     fault_.clear();
-    if (logs_) log_info("stream", "connected to " + server_of(connection_.get()));
+    if (logs_) log_info("stream", "connected to " + forward::server_of(connection_.get()));
   } else if (connection_) {
-    report("disconnected: " + reason_of(connection_.get()));
+    report("disconnected: " + forward::reason_of(connection_.get()));
   }
   return ready;
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <atomic>
 #include <mutex>
 #include <unordered_map>
@@ -26,22 +25,6 @@ constexpr Duration kPause = std::chrono::seconds{2};  // after a failed attempt
 constexpr Duration kPatience = std::chrono::seconds{15};
 constexpr std::int64_t kCloseMs = 5'000;
 constexpr std::size_t kMaxRequest = 64 * 1024;  // bytes of a command that are kept
-
-std::string server_of(natsConnection* connection) {
-  std::array<char, 256> url{};
-  if (natsConnection_GetConnectedUrl(connection, url.data(), url.size()) != NATS_OK) return "?";
-  const std::string_view text(url.data());
-  // A URL may contain a login.
-  const std::size_t at = text.rfind('@');
-  return std::string(at == text.npos ? text : text.substr(at + 1));
-}
-
-std::string reason_of(natsConnection* connection) {
-  const char* last = nullptr;
-  const natsStatus status = natsConnection_GetLastError(connection, &last);
-  if (last != nullptr && *last != '\0') return last;
-  return natsStatus_GetText(status);
-}
 
 Outcome outcome_of(const jsPubAck* done, const jsPubAckErr* error) {
   if (done != nullptr) return Outcome::kAcknowledged;

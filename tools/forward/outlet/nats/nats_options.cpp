@@ -1,5 +1,7 @@
 #include "tools/forward/outlet/nats/nats_options.hpp"
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "bridge/process/secret.hpp"
@@ -85,6 +87,21 @@ tl::expected<NatsOptions, std::string> nats_options(const JetStreamSpec& spec,
     if (!done) return tl::make_unexpected(done.error());
   }
   return options;
+}
+
+std::string server_of(natsConnection* connection) {
+  std::array<char, 256> url{};
+  if (natsConnection_GetConnectedUrl(connection, url.data(), url.size()) != NATS_OK) return "?";
+  const std::string_view text(url.data());
+  const std::size_t at = text.rfind('@');
+  return std::string(at == text.npos ? text : text.substr(at + 1));
+}
+
+std::string reason_of(natsConnection* connection) {
+  const char* last = nullptr;
+  const natsStatus status = natsConnection_GetLastError(connection, &last);
+  if (last != nullptr && *last != '\0') return last;
+  return status == NATS_OK ? "the server does not respond" : natsStatus_GetText(status);
 }
 
 }  // namespace fieldcast::forward

@@ -13,4 +13,9 @@ namespace fieldcast::forward {
 [[nodiscard]] tl::expected<NatsOptions, std::string> nats_options(const JetStreamSpec& spec,
                                                                   const std::string& name);
 
+// The URL of the connected server, without its login; "?" if there is none.
+[[nodiscard]] std::string server_of(natsConnection* connection);
+// The last error of the connection.
+[[nodiscard]] std::string reason_of(natsConnection* connection);
+
 }  // namespace fieldcast::forward
