@@ -12,7 +12,6 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
-#include "bridge/base/write_faults.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/capture/capture_folder.hpp"
 #include "bridge/configure/configuration_service.hpp"
@@ -40,7 +39,6 @@ namespace {
 
 // Time between two summaries of counted lines.
 constexpr Duration kHousekeeping = std::chrono::seconds{10};
-constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log to be written
 
 // Ends the process when a library or a driver hangs and blocks the stop.
 void last_words(Bridge& bridge) {
@@ -462,13 +460,5 @@ ExitCode run(int argc, char** argv) {
 }  // namespace fieldcast
 
 int main(int argc, char** argv) {
-  fieldcast::make_writes_fail_not_kill();
-  fieldcast::guard_memory();
-  try {
-    return static_cast<int>(fieldcast::run(argc, argv));
-  } catch (const std::exception& error) {
-    fieldcast::log_error("bridge", error.what());
-    fieldcast::flush_log(fieldcast::kLastWords);
-    return static_cast<int>(fieldcast::ExitCode::kInternal);
-  }
+  return fieldcast::daemon_main("bridge", [&] { return fieldcast::run(argc, argv); });
 }

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
 
-#include "bridge/base/exit_code.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/security/authority.hpp"
 
 namespace fieldcast {
@@ -25,6 +27,18 @@ sigset_t taken_signals() {
 }
 
 }  // namespace
+
+int daemon_main(const char* name, const std::function<ExitCode()>& run) {
+  make_writes_fail_not_kill();
+  guard_memory();
+  try {
+    return static_cast<int>(run());
+  } catch (const std::exception& error) {
+    log_error(name, error.what());
+    flush_log(kLastWords);
+    return static_cast<int>(ExitCode::kInternal);
+  }
+}
 
 Signals::Signals() {
   const sigset_t set = taken_signals();

@@ -12,10 +12,17 @@
 #include <string>
 #include <thread>
 
+#include "bridge/base/exit_code.hpp"
 #include "core/base/time.hpp"
 #include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
+
+// Time for the log to be written before the process ends.
+inline constexpr Duration kLastWords = std::chrono::milliseconds{300};
+
+// main() of a daemon: protects its memory, and logs what `run` throws. Returns the exit code.
+[[nodiscard]] int daemon_main(const char* name, const std::function<ExitCode()>& run);
 
 class Signals {
  public:

@@ -3,18 +3,15 @@
 #include <signal.h>
 
 #include <cstdio>
-#include <exception>
 #include <optional>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
-#include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/metrics/metrics_server.hpp"
 #include "bridge/process/command_line.hpp"
-#include "bridge/process/secret.hpp"
 #include "bridge/service/library_log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
@@ -28,7 +25,6 @@ using fieldcast::ExitCode;
 using namespace fieldcast::forward;
 
 constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
-constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
 constexpr const char* kOpen = "security: none: every program in the network can read and command";
 
 // Also prints a successful check, so that an empty output is never a success.
@@ -142,20 +138,12 @@ ExitCode run(int argc, char** argv) {
   } catch (const fieldcast::StoreError& error) {
     fieldcast::log_error("forward", fmt::format("cannot start: {}", error.what()));
   }
-  fieldcast::flush_log(kLastWords);
+  fieldcast::flush_log(fieldcast::kLastWords);
   return code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  fieldcast::make_writes_fail_not_kill();
-  fieldcast::guard_memory();
-  try {
-    return static_cast<int>(run(argc, argv));
-  } catch (const std::exception& error) {
-    fieldcast::log_error("forward", error.what());
-    fieldcast::flush_log(kLastWords);
-    return static_cast<int>(ExitCode::kInternal);
-  }
+  return fieldcast::daemon_main("forward", [&] { return run(argc, argv); });
 }

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <utility>
 #include <vector>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
-#include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
@@ -31,7 +29,6 @@ using namespace fieldcast::web;
 
 constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
 constexpr const char* kOpen = "security: none: every program in the network can read and command";
-constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
 
 struct Options {
   std::string config;
@@ -161,7 +158,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   const auto watched = signals.if_stuck([&station] {
     fieldcast::log_error(
         "web", fmt::format("not stopped in time, while {}: the process ends", station.busy_with()));
-    fieldcast::flush_log(kLastWords);
+    fieldcast::flush_log(fieldcast::kLastWords);
   });
   if (const auto started = station.start(); !started) {
     fieldcast::log_error("web", "cannot start: " + started.error().what);
@@ -306,20 +303,12 @@ ExitCode run(int argc, char** argv) {
   } catch (const fieldcast::DdsError& error) {
     fieldcast::log_error("web", fmt::format("cannot start: {}", error.what()));
   }
-  fieldcast::flush_log(kLastWords);
+  fieldcast::flush_log(fieldcast::kLastWords);
   return code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  fieldcast::make_writes_fail_not_kill();
-  fieldcast::guard_memory();
-  try {
-    return static_cast<int>(run(argc, argv));
-  } catch (const std::exception& error) {
-    fieldcast::log_error("web", error.what());
-    fieldcast::flush_log(kLastWords);
-    return static_cast<int>(ExitCode::kInternal);
-  }
+  return fieldcast::daemon_main("web", [&] { return run(argc, argv); });
 }
