@@ -182,6 +182,13 @@ class Rows : public RowTable {
       if (each.read) each.read(map, owner);
     }
   }
+  // Reads the map of this key, if there is one.
+  void read_section(MapReader& around, std::string_view key, Owner& owner) const {
+    const Node* node = around.find(key);
+    if (node == nullptr) return;
+    MapReader map(*node, *this, around.faults());
+    read(map, owner);
+  }
   [[nodiscard]] const std::vector<Field<Owner>>& fields() const { return fields_; }
 
  private:

@@ -37,13 +37,6 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
       "a port of its own for each");
 }
 
-void read_configure(MapReader& bridge, ConfigureSpec& spec) {
-  const Node* node = bridge.find("configure");
-  if (node == nullptr) return;
-  MapReader map(*node, configure_rows(), bridge.faults());
-  configure_rows().read(map, spec);
-}
-
 void read_identity(MapReader& bridge, BridgeSpec& spec) {
   const Node* node = bridge.require("bridge", "a name for the bridge");
   if (node == nullptr) return;
@@ -53,10 +46,8 @@ void read_identity(MapReader& bridge, BridgeSpec& spec) {
   }
   MapReader map(*node, identity_rows(), bridge.faults());
   identity_rows().read(map, spec);
-  const Node* standby = map.find("standby");
-  if (standby == nullptr) return;
-  MapReader group(*standby, standby_rows(), bridge.faults());
-  standby_rows().read(group, spec.standby.emplace());
+  if (map.find("standby") != nullptr)
+    standby_rows().read_section(map, "standby", spec.standby.emplace());
 }
 
 void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
@@ -109,7 +100,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_program(map, spec.program, state.library);
   read_store(map, spec.store);
   read_metrics(map, spec);
-  read_configure(map, spec.configure);
+  configure_rows().read_section(map, "configure", spec.configure);
   read_buses(map, spec, state);
   complete_calculations(spec, state.calculations, state.faults);
   check_device_numbers(root, spec, state.faults);

@@ -159,11 +159,6 @@ std::vector<DdsSite> read_sites(MapReader& file, Library& library) {
   return sites;
 }
 
-void read_log(MapReader& file, LogSpec& spec) {
-  const Node* node = file.find("log");
-  if (node == nullptr) return;
-  MapReader map(*node, log_rows(), file.faults());
-  log_rows().read(map, spec);
-}
+void read_log(MapReader& file, LogSpec& spec) { log_rows().read_section(file, "log", spec); }
 
 }  // namespace fieldcast::config

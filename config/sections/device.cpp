@@ -58,10 +58,7 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
   std::string description;
   map.read("description", description, TextRule{kMaxDescription});
   check_template_protocols(map, naming, protocol, state);
-  if (const Node* defaults = map.find("defaults")) {
-    MapReader inner(*defaults, template_default_rows(), state.faults);
-    template_default_rows().read(inner, draft.defaults);
-  }
+  template_default_rows().read_section(map, "defaults", draft.defaults);
   template_rows().read(map, draft.defaults);
   read_channel_nodes(map, draft, state);
 }

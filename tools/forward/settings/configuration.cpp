@@ -19,15 +19,6 @@ using config::Kind;
 using config::MapReader;
 using config::Node;
 
-template <class Owner>
-void read_section(MapReader& file, std::string_view key, const config::Rows<Owner>& rows,
-                  Owner& owner) {
-  const Node* node = file.find(key);
-  if (node == nullptr) return;
-  MapReader map(*node, rows, file.faults());
-  rows.read(map, owner);
-}
-
 void read_queue(MapReader& file, ForwardSpec& spec) {
   const Node* node = file.require("queue", "queue: { path: FILE }");
   if (node == nullptr) return;
@@ -60,15 +51,15 @@ LoadedForward load_forward_text(std::string_view text, const std::string& file_n
     config::read_dds(file, spec.dds, library);
     config::read_log(file, spec.log);
     read_queue(file, spec);
-    read_section(file, "gather", gather_rows(), spec.gather);
-    read_section(file, "payload", payload_rows(), spec.payload);
-    read_section(file, "send", send_rows(), spec.send);
+    gather_rows().read_section(file, "gather", spec.gather);
+    payload_rows().read_section(file, "payload", spec.payload);
+    send_rows().read_section(file, "send", spec.send);
     spec.outlet = read_outlet(file, library);
     spec.commands = read_commands(file, spec.outlet);
     if (auto* const sparkplug = std::get_if<SparkplugSpec>(&spec.outlet))
       sparkplug->command_user = spec.commands ? spec.commands->user : "";
     if (file.find("metrics") != nullptr)
-      read_section(file, "metrics", config::metrics_rows(), spec.metrics.emplace());
+      config::metrics_rows().read_section(file, "metrics", spec.metrics.emplace());
   } else if (faults.empty()) {
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));
   }

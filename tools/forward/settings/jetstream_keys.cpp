@@ -74,10 +74,7 @@ OutletSpec read_jetstream(MapReader& file, const Node& section, config::Library&
   MapReader map(section, jetstream_rows(), file.faults());
   jetstream_rows().read(map, spec);
   read_connection(map, spec, library);
-  if (const Node* streams = map.find("streams"); streams != nullptr) {
-    MapReader inner(*streams, stream_rows(), file.faults());
-    stream_rows().read(inner, spec.streams);
-  }
+  stream_rows().read_section(map, "streams", spec.streams);
   return spec;
 }
 

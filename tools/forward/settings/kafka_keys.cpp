@@ -101,10 +101,7 @@ OutletSpec read_kafka(MapReader& file, const Node& section, config::Library& lib
   check_pair(map, "certificate", spec.certificate, "key", spec.key, "both, as PEM files");
   check_pair(map, "user", spec.user, "password-file", spec.password_file, "both");
   check_transport(map, spec);
-  if (const Node* topics = map.find("topics"); topics != nullptr) {
-    MapReader inner(*topics, topic_rows(), file.faults());
-    topic_rows().read(inner, spec.topics);
-  }
+  topic_rows().read_section(map, "topics", spec.topics);
   return spec;
 }
 
