@@ -399,6 +399,7 @@ Json ConfigurationAgent::watch_json() const {
   const UtcMapping now = ports_.clock();
   const Duration left = watch_->until - now.instant;
   return {{"version", watch_->version},
+          {"base", watch_->base},
           {"until_ms", unix_ms({now.utc.nanoseconds + left.count()})},
           {"state", to_text(watch_->state)}};
 }

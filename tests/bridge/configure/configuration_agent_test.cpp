@@ -110,6 +110,17 @@ TEST_F(ConfigurationAgentTest, RollsBackIfChannelsTurnBad) {
   EXPECT_THAT(state_of_last(), HasSubstr("line/d/c BAD_NO_ANSWER"));
 }
 
+TEST_F(ConfigurationAgentTest, TheVersionThatReturnsIsNotTheOneBelowInTheList) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("refused");
+  ASSERT_EQ(deploy(std::string(kText) + "# second attempt\n").first, 200u);
+  EXPECT_EQ(run("versions").second[1]["version"], version_of(more_));
+  const std::string base = run("read").second["watch"]["base"];
+  EXPECT_EQ(base, version_of(kText));
+  EXPECT_EQ(run("rollback", {{"version", base}, {"why", "oops"}}).first, 200u);
+  EXPECT_EQ(file(), kText);
+}
+
 TEST_F(ConfigurationAgentTest, AConfirmationEndsTheWatch) {
   const std::string version = deploy(more_).second["version"];
   agent_->reloaded("");

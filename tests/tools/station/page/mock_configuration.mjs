@@ -83,10 +83,11 @@ export class MockConfiguration {
   get version() { return versionOf(this.text); }
 
   put(text, who, why) {
+    const base = this.version;
     this.text = text;
     this.versions = this.versions.filter(({ version }) => version !== this.version);
     this.versions.push({ version: this.version, who, why, at_ms: Date.now(), state: 'watching', text });
-    this.watch = { version: this.version, until_ms: Date.now() + watchFor_ms, state: 'watching' };
+    this.watch = { version: this.version, base, until_ms: Date.now() + watchFor_ms, state: 'watching' };
     return [200, { version: this.version, until_ms: this.watch.until_ms }];
   }
 
@@ -118,6 +119,7 @@ export class MockConfiguration {
       case '/api/configuration/rollback': {
         const { text } = this.versions.find(({ version }) => version === body.version);
         if (!this.watch) return this.put(text, user, body.why);
+        if (body.version !== this.watch.base) return [409, { error: `the version ${this.watch.version} is still watched`, hint: '' }];
         this.end(`rolled back by ${user}: ${body.why}`);
         this.text = text;
         return [200, { version: this.version, until_ms: null }];

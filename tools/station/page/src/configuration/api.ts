@@ -9,6 +9,7 @@ export interface Protected {
 
 export interface Watch {
   version: string;
+  base?: string;  // the version that returns at a rollback; an older bridge does not name it
   until_ms: number | null;
   state: string;  // reloading, watching
 }

@@ -274,7 +274,7 @@ export class ConfigurationPage implements Page {
       const bad = this.watching.badChannels();
       this.former = draft.base.text;
       const watch = await api.deploy(this.bridge, draft.base.version, draft.written, why);
-      this.watching.begin({ ...watch, state: 'watching' }, bad);
+      this.watching.begin({ ...watch, base: draft.base.version, state: 'watching' }, bad);
       this.context.say(t('configuration.deployed', { version: watch.version }));
       draft.rebase(await api.read(this.bridge));
     } catch (error) {

@@ -52,8 +52,9 @@ export class Watching {
 
   // The version before the watched one.
   private async rollBack(): Promise<void> {
-    const rows = await api.versions(this.bridge), former = rows[rows.findIndex(({ version }) => version === this.watch!.version) + 1];
-    if (former) await api.rollBack(this.bridge, former.version, t('configuration.roll-back-why'));
+    const { version, base } = this.watch!, rows = base ? [] : await api.versions(this.bridge);
+    const former = base ?? rows[rows.findIndex((row) => row.version === version) + 1]?.version;
+    if (former) await api.rollBack(this.bridge, former, t('configuration.roll-back-why'));
   }
 
   tick(): void {
