@@ -4,6 +4,7 @@ packages of the same build. Builds nothing.
 usage: e2e_package.py BUILD_DIR SOURCE_DIR PACKAGES_DIR
 """
 
+import fnmatch
 import glob
 import gzip
 import os
@@ -121,6 +122,17 @@ class Installed(unittest.TestCase):
             result = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, timeout=60)
             complaints = [line for line in result.stderr.splitlines() if "fieldcast" in line]
             self.assertEqual(complaints, [], result.stderr)
+
+    def test_the_service_may_open_serial_ports_also_those_that_are_plugged_in_after_its_start(self):
+        with open(f"{self.root}/lib/systemd/system/fieldcast-bridge@.service", encoding="utf-8") as file:
+            unit = re.findall(r"(?m)^(\w+)=(.*)$", file.read())
+        permitted = [value.split()[0] for key, value in unit if key == "DeviceAllow"]
+        for kind in ["ttyUSB", "ttyACM", "ttyS", "ttyAMA"]:
+            self.assertTrue(any(fnmatch.fnmatchcase(f"char-{kind}", each) for each in permitted), kind)
+        # The kernel lists these kinds in /proc/devices when the module is loaded, and systemd reads it when the service starts.
+        for module in ["usbserial", "cdc_acm"]:
+            for dependency in ["After", "Wants"]:
+                self.assertIn(f"modprobe@{module}.service", " ".join(value for key, value in unit if key == dependency))
 
 
 class Packages(unittest.TestCase):
