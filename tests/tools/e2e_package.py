@@ -127,7 +127,7 @@ class Installed(unittest.TestCase):
         with open(f"{self.root}/lib/systemd/system/fieldcast-bridge@.service", encoding="utf-8") as file:
             unit = re.findall(r"(?m)^(\w+)=(.*)$", file.read())
         permitted = [value.split()[0] for key, value in unit if key == "DeviceAllow"]
-        for kind in ["ttyUSB", "ttyACM", "ttyS", "ttyAMA"]:
+        for kind in ["ttyUSB", "ttyACM", "ttyS", "ttyAMA", "ttymxc", "ttySC"]:
             self.assertTrue(any(fnmatch.fnmatchcase(f"char-{kind}", each) for each in permitted), kind)
         # The kernel lists these kinds in /proc/devices when the module is loaded, and systemd reads it when the service starts.
         for module in ["usbserial", "cdc_acm"]:
