@@ -82,6 +82,9 @@ Outcome no_such_bus(const std::string& bus) {
 }
 
 constexpr std::size_t kMostVersionBytes = 64, kMostName = 64;
+// Without the fault, which has the password.
+const std::string kMovedSecret = "a hidden password is not valid at this place; leave every " +
+                                 std::string(kHidden) + " where it is";
 // A station waits longer for a reply.
 constexpr Duration kLongestProbe = std::chrono::seconds{8};
 
@@ -151,21 +154,24 @@ ConfigurationAgent::Response ConfigurationAgent::check(const Tree& request, cons
   const std::string before = folder_.present();
   const Draft present = load_present(before, folder_.file());
   Json faults = Json::array(), plans = Json::array();
-  if (const auto text = with_secrets(*given, before); !text) {
-    faults.push_back(fault_json(folder_.file(), text.error(), ""));
-  } else {
-    Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
-    if (!draft.loaded) {
-      faults = faults_json(draft.loaded.error());
-      // A bus that cannot carry its channels is a fault, and its plan explains the remedy.
-      draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
-    }
-    if (draft.loaded) plans = plans_json(*draft.loaded);
-    if (draft.loaded && present.loaded) {
-      for (const std::string& key : changed_protected_keys(*present.loaded, *draft.loaded))
-        faults.push_back(
-            fault_json(folder_.file(), "a protected key differs: " + key, "restore its lines"));
-    }
+  // Without the passwords: a fault or a plan would show one that was moved to another key.
+  Draft draft = load_draft(*given, folder_.file(), present.paths, Hopeless::kRefuse);
+  if (!draft.loaded) {
+    faults = faults_json(draft.loaded.error());
+    // A bus that cannot carry its channels is a fault, and its plan explains the remedy.
+    draft = load_draft(*given, folder_.file(), present.paths, Hopeless::kAccept);
+  }
+  if (draft.loaded) plans = plans_json(*draft.loaded);
+  const auto text = with_secrets(*given, before);
+  const bool is_valid = draft.loaded.has_value();
+  if (text && *text != *given && is_valid)
+    draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
+  if (!text || (is_valid && !draft.loaded))
+    faults.push_back(fault_json(folder_.file(), text ? kMovedSecret : text.error(), ""));
+  if (text && draft.loaded && present.loaded) {
+    for (const std::string& key : changed_protected_keys(*present.loaded, *draft.loaded))
+      faults.push_back(
+          fault_json(folder_.file(), "a protected key differs: " + key, "restore its lines"));
   }
   return done({{"faults", faults},
                {"draft", plans},
@@ -197,8 +203,11 @@ Outcome ConfigurationAgent::deploy(const std::string& given, const std::string& 
   const Draft present = load_present(before, folder_.file());
   const auto text = with_secrets(given, before);
   if (!text) return refused(400, text.error(), "read the configuration again");
-  const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+  const std::string shown = without_secrets(given);
+  Draft draft = load_draft(shown, folder_.file(), present.paths, Hopeless::kRefuse);
   if (!draft.loaded) return with_faults(draft.loaded.error());
+  if (*text != shown) draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+  if (!draft.loaded) return refused(400, kMovedSecret, "read the configuration again");
   if (!present.loaded)
     return refused(409, "the present file is invalid, so its protected keys are unknown",
                    "an administrator corrects the file itself");
@@ -293,11 +302,8 @@ ConfigurationAgent::Response ConfigurationAgent::probe(const Tree& request, cons
   if (!text) return no_text("text", kMostText);
   const std::string bus = text_in(request, "bus", kMostName).value_or("");
   const std::string device = text_in(request, "device", kMostName).value_or("");
-  const std::string before = folder_.present();
-  const auto whole = with_secrets(*text, before);
-  if (!whole) return refused(400, whole.error(), "read the configuration again");
-  const Draft draft = load_draft(*whole, folder_.file(), load_present(before, folder_.file()).paths,
-                                 Hopeless::kAccept);
+  const Draft present = load_present(folder_.present(), folder_.file());
+  const Draft draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
   if (!draft.loaded) return with_faults(draft.loaded.error());
   const auto found = find_device(*draft.loaded, bus, device);
   if (!found)

@@ -86,11 +86,10 @@ tl::expected<std::string, std::string> with_secrets(std::string_view draft,
   std::string out;
   std::size_t at = 0, used = 0;
   for (std::size_t found = draft.find(kHidden); found != std::string_view::npos;
-       found = draft.find(kHidden, at)) {
-    if (used == secrets.size()) break;
-    const Part& secret = secrets[used++];
-    out.append(draft.substr(at, found - at))
-        .append(present.substr(secret.begin, secret.end - secret.begin));
+       found = draft.find(kHidden, at), ++used) {
+    out.append(draft.substr(at, found - at));
+    if (used < secrets.size())
+      out.append(present.substr(secrets[used].begin, secrets[used].end - secrets[used].begin));
     at = found + kHidden.size();
   }
   out.append(draft.substr(at));

@@ -14,7 +14,8 @@ inline constexpr std::string_view kHidden = "__HIDDEN__";
 [[nodiscard]] std::string without_secrets(std::string_view text);
 
 // Puts the passwords of `present` back where `draft` has kHidden, in their order. Fails with the
-// reason if their numbers differ, as it is unknown then which password belongs where.
+// reason if their numbers differ, as it is unknown then which password belongs where. Do not show
+// what a loader says of the result: the draft may have a password at another key.
 [[nodiscard]] tl::expected<std::string, std::string> with_secrets(std::string_view draft,
                                                                   std::string_view present);
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "bridge/configure/configuration_service.hpp"
@@ -22,6 +23,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kText = R"(bridge: b
 configure: { allow: true }
@@ -355,6 +357,43 @@ TEST_F(ConfigurationAgentTest, FirstValuesAreThoseOfTheDraftAndNothingIsSaved) {
   ASSERT_EQ(audit_.size(), 1u);
   EXPECT_EQ(audit_[0].what, "configuration: read first values");
   EXPECT_EQ(audit_[0].result, "of meter on line");
+}
+
+// An engineer may put the hidden password at another key, to see it in what the bridge responds.
+TEST_F(ConfigurationAgentTest, AHiddenPasswordIsShownInNoResponse) {
+  constexpr const char* kSecret = "7s3cret";
+  std::ofstream(file_) << kText << "store: { url: \"postgresql://anna:" << kSecret << "@db/p\" }\n";
+  for (const auto& [from, to] :
+       std::map<std::string, std::string>{{"address: 1", "address: __HIDDEN__"},
+                                          {"name: c", "name: __HIDDEN__"},
+                                          {"type: uint16", "type: uint16, unit: __HIDDEN__"}}) {
+    std::string text = kText;
+    text.replace(text.find(from), from.size(), to);
+    const auto [status, checked] = run("check", {{"text", text}});
+    EXPECT_FALSE(checked["faults"].empty()) << to;
+    EXPECT_THAT(checked.dump(), Not(HasSubstr(kSecret)));
+    EXPECT_THAT(deploy(text).second.dump(), Not(HasSubstr(kSecret)));
+    const auto probe = run("probe", {{"text", text}, {"bus", "line"}, {"device", "d"}});
+    EXPECT_THAT(probe.second.dump(), Not(HasSubstr(kSecret)));
+    if (probe.first != 0) continue;
+    probe_->on_result(rejection(*probe_->next(), Cause::kExpired, "expired", now_));
+    probed_(probe_->devices(), clock());
+    EXPECT_THAT(later_->body, Not(HasSubstr(kSecret)));
+  }
+}
+
+TEST_F(ConfigurationAgentTest, AHiddenPasswordIsValidOnlyWhereItIs) {
+  const std::string text = "store: { url: \"postgresql://anna:p/w@db/p\" }\n";
+  std::ofstream(file_) << kText << text;
+  std::string shown = run("read").second["text"];
+  EXPECT_TRUE(run("check", {{"text", shown}}).second["faults"].empty());
+  EXPECT_EQ(deploy(shown + "log: { level: debug }\n").first, 200u);
+  EXPECT_EQ(file(), kText + text + "log: { level: debug }\n");
+  shown.replace(shown.find("name: d"), 7, "name: __HIDDEN__");
+  shown.erase(shown.find("store"));
+  EXPECT_THAT(run("check", {{"text", shown}}).second["faults"].dump(),
+              HasSubstr("a hidden password is not valid at this place"));
+  EXPECT_EQ(deploy(shown).first, 400u);
 }
 
 TEST_F(ConfigurationAgentTest, AProbeThatCannotRunIsRefused) {

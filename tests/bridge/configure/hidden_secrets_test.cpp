@@ -42,6 +42,8 @@ TEST(HiddenSecretsTest, ADraftWithoutAnyNeedsNone) {
 
 TEST(HiddenSecretsTest, AnotherNumberIsRefused) {
   EXPECT_FALSE(with_secrets("a: __HIDDEN__", "a: postgres://x:one@h/d\nb: postgres://y:two@h/d"));
+  EXPECT_FALSE(with_secrets("a: __HIDDEN__\nb: __HIDDEN__", "a: postgres://x:one@h/d"));
+  EXPECT_FALSE(with_secrets("a: __HIDDEN__", "a: b"));
 }
 
 }  // namespace
