@@ -269,7 +269,9 @@ ConfigurationAgent::Response ConfigurationAgent::rollback(const Tree& request,
   const auto why = text_in(request, "why", kMostWhy);
   if (!why || why->empty()) return no_text("why", kMostWhy);
   if (watch_ && watch_->base == *version) {
-    roll_back(printable(*why), caller.name);
+    if (!roll_back(printable(*why), caller.name))
+      return refused(409, "the file was changed since the deployment, and stays as it is",
+                     "read the configuration again");
     return done({{"version", *version}, {"until_ms", nullptr}});
   }
   const auto text = folder_.text_of(*version);
@@ -349,7 +351,7 @@ ConfigurationAgent::Response ConfigurationAgent::scan(const Tree& request, const
 void ConfigurationAgent::reloaded(const std::string& refusal) {
   if (!watch_) return;
   const WatchStep step = configure::reloaded(*watch_, refusal, ports_.clock().instant);
-  if (step.end == WatchEnd::kRollBack) roll_back(step.reason, "the bridge");
+  if (step.end == WatchEnd::kRollBack) (void)roll_back(step.reason, "the bridge");
 }
 
 void ConfigurationAgent::look() {
@@ -362,7 +364,7 @@ void ConfigurationAgent::look() {
   const auto qualities = ports_.qualities();
   if (!qualities) return;
   const WatchStep step = looked(*watch_, *qualities, ports_.clock().instant);
-  if (step.end == WatchEnd::kRollBack) roll_back(step.reason, "the bridge");
+  if (step.end == WatchEnd::kRollBack) (void)roll_back(step.reason, "the bridge");
   if (step.end == WatchEnd::kKeep) {
     const std::string version = watch_->version;
     end_watch("kept: " + step.reason);
@@ -370,12 +372,17 @@ void ConfigurationAgent::look() {
   }
 }
 
-void ConfigurationAgent::roll_back(const std::string& reason, const std::string& who) {
+bool ConfigurationAgent::roll_back(const std::string& reason, const std::string& who) {
   const std::string base = watch_->base, version = watch_->version;
+  if (version_of(folder_.present()) != version) {
+    end_watch("not in force: the file was changed");
+    return false;
+  }
   folder_.restore(base);
   end_watch(fmt::format("rolled back by {}: {}", who, reason));
   note(who, "rollback", fmt::format("from {} to {}: {}", version, base, reason));
   ports_.reload();
+  return true;
 }
 
 void ConfigurationAgent::end_watch(std::string state) {

@@ -86,8 +86,9 @@ class ConfigurationAgent {
                  const Caller& caller);
   // Replaces the file and begins the watch. REQUIRES: the text is valid.
   Outcome put(const std::string& text, std::string why, const Caller& caller);
-  // Restores the file of before and ends the watch. Throws if the file cannot be restored.
-  void roll_back(const std::string& reason, const std::string& who);
+  // Restores the file of before and ends the watch. Returns false if the file is not the watched
+  // version any more: an administrator has changed it. Throws if it cannot be read or restored.
+  [[nodiscard]] bool roll_back(const std::string& reason, const std::string& who);
   void end_watch(std::string state);  // also if the state cannot be written
   void note(const std::string& who, const std::string& what, const std::string& result);
   [[nodiscard]] Json watch_json() const;

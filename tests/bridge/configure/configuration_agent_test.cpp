@@ -169,6 +169,27 @@ TEST_F(ConfigurationAgentTest, RefusesFaultsProtectedKeysAndEmptyReasons) {
   EXPECT_EQ(reloads_, 0);
 }
 
+TEST_F(ConfigurationAgentTest, AFileThatAnAdministratorChangesWithinTheWatchStays) {
+  const std::string corrected = more_ + "# corrected by hand\n";
+  for (const bool by_engineer : {false, true}) {
+    ASSERT_EQ(deploy(more_).first, 200u);
+    agent_->reloaded("");
+    std::ofstream(file_) << corrected;
+    qualities_->at("line/d/c") = Quality::kBadNoResponse;
+    if (by_engineer) {
+      EXPECT_EQ(run("rollback", {{"version", version_of(kText)}, {"why", "oops"}}).first, 409u);
+    } else {
+      now_ += 30s;
+      agent_->look();
+    }
+    EXPECT_EQ(file(), corrected);
+    EXPECT_FALSE(agent_->is_watching());
+    EXPECT_EQ(state_of_last(), "not in force: the file was changed");
+    std::ofstream(file_) << kText;
+  }
+  EXPECT_EQ(reloads_, 2) << "by the deployments only";
+}
+
 TEST_F(ConfigurationAgentTest, WaitsWhileTheBridgeReloads) {
   qualities_.reset();
   EXPECT_EQ(deploy(more_).first, 503u);
