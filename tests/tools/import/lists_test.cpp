@@ -366,6 +366,19 @@ TEST(ImportList, AGainBelowOneMultiplies) {
   EXPECT_EQ(fate_of(*both, "C"), "ok");
 }
 
+TEST(ImportList, EachFileWithoutAnAddressIsADevice) {
+  const auto list = [](const std::string& file, const std::string& name) {
+    return InputFile{file, "Name,Address,Type\n" + name + ",7,uint16\n"};
+  };
+  const Outcome outcome =
+      imported_files({list("north/tank-b.csv", "flow"), list("tank.csv", "level"),
+                      list("south/tank-b.csv", "heat")});
+  const std::string& text = outcome.files.front().text;
+  EXPECT_THAT(text, HasSubstr("name: tank-b\n        address: 1\n"));
+  EXPECT_THAT(text, HasSubstr("name: tank\n        address: 2\n"));
+  EXPECT_THAT(text, HasSubstr("name: tank-b-2\n        address: 3\n"));
+}
+
 TEST(ImportList, ABlankSlaveIsThatOfTheRowAbove) {
   const auto outcome = imported("meter.csv",
                                 "Register,Name,Type,Slave\n40001,A,INT16,3\n40002,B,INT16,\n"

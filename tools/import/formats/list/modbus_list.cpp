@@ -33,6 +33,7 @@ class ListReader {
         length_unit_(list_.length_unit) {}
 
   void read(Bus& bus, Found& found) {
+    first_device_ = bus.devices.size();
     for (const Row& row : std::span(table_.rows).subspan(header_ + 1)) {
       const auto filled = std::ranges::count_if(row.cells, std::not_fn(&std::string::empty));
       if (cell(row, Field::kAddress).empty() && filled < 2) continue;  // a title
@@ -90,9 +91,8 @@ class ListReader {
 
   Device& device_of(const ListEntry& entry, Bus& bus) const {
     const auto address = entry.unit;
-    for (Device& device : bus.devices) {
-      if (device.address == address && device.name.starts_with(stem_of(source_.file)))
-        return device;
+    for (Device& device : std::span(bus.devices).subspan(first_device_)) {
+      if (device.address == address) return device;
     }
     Device& device = bus.devices.emplace_back();
     device.address = address;
@@ -352,6 +352,7 @@ class ListReader {
   const Columns& columns_;
   const std::optional<unsigned> base_;  // of the addresses, as the user or the list says it
   std::vector<ListEntry> entries_;
+  std::size_t first_device_ = 0;  // of this list; those before are of other lists
   bool counts_from_one_ = false;
   std::optional<std::uint16_t> last_unit_;
   bool odd_unit_ = false;           // of the last row that has one
