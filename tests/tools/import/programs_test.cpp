@@ -213,6 +213,20 @@ TEST(ImportMqmgateway, ACommandMakesWhatIsReadWritable) {
   EXPECT_THAT(channel_line(outcome, "valve"), HasSubstr("scale: 0.1, access: read-write"));
 }
 
+TEST(ImportMqmgateway, EachFileHasItsOwnNetworks) {
+  const auto file = [](const std::string& name, const std::string& network, const char* used) {
+    return InputFile{name + ".yaml", "modbus: { networks: [ { name: " + network + ", address: " +
+                                         name + " } ] }\nmqtt: { objects: [ { topic: " + name +
+                                         ", state: { register: " + used + ".1.5 } } ] }\n"};
+  };
+  const auto outcome = imported_files({file("north", "line", "line"), file("south", "line", "line"),
+                                       file("west", "other", "line")});
+  const std::string& text = outcome.files.front().text;
+  EXPECT_THAT(text, HasSubstr("north:502"));
+  EXPECT_THAT(text, HasSubstr("south:502"));
+  EXPECT_EQ(fate_of(outcome, "west"), "no: there is no network 'line'");
+}
+
 TEST(ImportMqmgateway, CommandsMayBeAMapOfOne) {
   const auto outcome = imported("config.yaml", kMqm + R"(
     - topic: valve

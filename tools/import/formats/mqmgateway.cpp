@@ -239,7 +239,8 @@ struct MqmValue {
 
 class MqmReader : TreeReader {
  public:
-  using TreeReader::TreeReader;
+  MqmReader(const SourceText& source, Found& found)
+      : TreeReader(source, found), first_bus_(found.buses.size()) {}
 
   MayFail read(const Node& root) {
     const Node* modbus = child(root, "modbus");
@@ -413,8 +414,9 @@ class MqmReader : TreeReader {
   void on_each_device(const Node& node, const Place& place, const std::string& name,
                       const Action& action) {
     for (const std::string_view network : split(place.network, ',')) {
-      const auto bus = std::ranges::find(found_.buses, network, &Bus::name);
-      if (bus == found_.buses.end()) {
+      const auto own = std::span(found_.buses).subspan(first_bus_);
+      const auto bus = std::ranges::find(own, network, &Bus::name);
+      if (bus == own.end()) {
         refuse(node, name, fmt::format("there is no network '{}'", network));
         continue;
       }
@@ -452,6 +454,7 @@ class MqmReader : TreeReader {
     });
   }
 
+  const std::size_t first_bus_;  // of this file; those before are of other files
   std::map<std::string, const Node*, std::less<>> networks_;
   std::size_t made_ = 0;  // points
 };
