@@ -82,14 +82,13 @@ void PlanRunner::settle_changes(Instant now) {
 
 void PlanRunner::take_phases(GroupIndex index) {
   const PlannedGroup& planned = plan_.groups[index];
-  Cycle& cycle = state_.groups[index].cycle;
-  cycle = {};
-  if (planned.period == Duration::zero()) return;
-  cycle = {state_.table_began + planned.phase, planned.period};
+  const bool timed = planned.period != Duration::zero();
+  state_.groups[index].cycle =
+      timed ? Cycle{state_.table_began + planned.phase, planned.period} : Cycle{};
+  // Without a cycle no point has a period, for example when the last one becomes intensive.
   const Group& group = plan_.grouping.groups[index];
-  for (OrderIndex at = group.begin; at < group.end; ++at) {
+  for (OrderIndex at = group.begin; at < group.end; ++at)
     state_.points[at].period = plan_.points[at].period;
-  }
 }
 
 void PlanRunner::adopt(ReadPlan plan, Instant began, Instant now) {
