@@ -37,10 +37,13 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
   const Node* node = map.find("protocols");
   if (node == nullptr) return;
   if (!is_list(*node, "protocols", 1, kAnyCount, "a list of protocols", map.faults())) return;
+  // A declaration is found relative to the configuration, not to the template.
+  const bool fits = std::ranges::any_of(node->items, [&](const Node* item) {
+    return item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol;
+  });
+  if (fits) return;
   std::vector<std::string> names;
   for (const Node* item : node->items) {
-    // A declaration is found relative to the configuration, not to the template.
-    if (item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol) return;
     if (auto choice = read_protocol(*item, "protocol", state); choice.known())
       names.push_back(std::move(choice.name));
   }

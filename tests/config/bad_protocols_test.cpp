@@ -65,6 +65,22 @@ TEST(DeclaredProtocols, AreFoundBesideTheConfigurationFirst) {
             std::string::npos);
 }
 
+// Its own folder has no declarations.
+TEST(DeclaredProtocols, ATemplateMayBeForSeveral) {
+  const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
+  const auto files = texts({{"/etc/protocols/old.yaml", instrument},
+                            {"/etc/protocols/new.yaml", instrument},
+                            {"/etc/devices/kind.yaml",
+                             "protocols: [old, new]\n"
+                             "channels: [{ name: c, at: status, type: uint8 }]\n"}});
+  const auto loaded = load_text(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: new\n"
+      "    devices: [{ name: d, address: 3, template: kind }]\n",
+      "/etc/plant.yaml", files);
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_EQ(loaded->buses[0].devices[0].channels[0].name, "c");
+}
+
 std::string meters(const std::string& address, const std::string& channel) {
   return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: meter\n"
          "    devices:\n      - { name: d, address: " +
