@@ -40,6 +40,10 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(channel.at);
   sum.add(static_cast<std::int64_t>(encoding.type));
   sum.add(encoding.string_bytes);
+  // Of texts and numbers as text only, so that members of two versions share the sum of the others.
+  if (encoding.text_number)
+    sum.add(fmt::format("text {}", static_cast<int>(encoding.text_number.kind)));
+  if (encoding.charset != Charset::kUtf8) sum.add(to_text(encoding.charset));
   sum.add(static_cast<std::int64_t>(encoding.word_order));
   sum.add(static_cast<std::int64_t>(encoding.byte_order));
   sum.add(encoding.bit ? *encoding.bit : -1);
@@ -110,6 +114,7 @@ std::string common_configuration(const BridgeSpec& spec) {
       sum.add(device.name);
       sum.add(device.protocol);
       sum.add(device.link.address);
+      if (!device.link.long_address.empty()) sum.add(device.link.long_address);
       for (const auto& [option, value] : device.link.options) sum.add(option + "=" + value);
       for (const ChannelSpec& channel : device.channels) add(sum, channel);
     }

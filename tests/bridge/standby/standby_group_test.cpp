@@ -155,6 +155,25 @@ TEST(CommonConfiguration, IsAnotherWithAnotherExponent) {
   EXPECT_EQ(none, "af37ba9c1dc337a2");
 }
 
+TEST(CommonConfiguration, IsAnotherWithAnotherFormOfATextOrAnotherMeter) {
+  const auto number = [](TextNumber::Kind kind) {
+    return common_configuration(
+        with({.type = ValueType::kUint16, .string_bytes = 4, .text_number = {.kind = kind}}));
+  };
+  EXPECT_NE(number(TextNumber::Kind::kDecimal), number(TextNumber::Kind::kHex));
+  const auto text = [](Charset charset) {
+    return common_configuration(
+        with({.type = ValueType::kString, .string_bytes = 4, .charset = charset}));
+  };
+  EXPECT_NE(text(Charset::kLatin1), text(Charset::kGbk));
+  const auto meter = [](const std::string& address) {
+    BridgeSpec bridge = with({});
+    bridge.buses[0].devices[0].link = {.address = 65535, .long_address = address};
+    return common_configuration(bridge);
+  };
+  EXPECT_NE(meter("398192000337"), meter("398192000338"));
+}
+
 struct Child {
   Child() {
     int ends[2];
