@@ -10,9 +10,14 @@ namespace fieldcast {
 
 StoreRecorder::StoreRecorder(Store& store, const BusSpec& bus)
     : store_(store), bus_(bus.name), intake_(store.intake(bus)) {
-  for (const DeviceSpec& device : bus.devices)
+  for (const DeviceSpec& device : bus.devices) {
+    const DeviceLink& link = device.link;
     devices_[device.name] = {
-        device.protocol, fmt::format("{}, {}", to_text(bus.port), device.link.address), {}};
+        device.protocol,
+        fmt::format("{}, {}", to_text(bus.port),
+                    link.long_address.empty() ? std::to_string(link.address) : link.long_address),
+        {}};
+  }
 }
 
 void StoreRecorder::put(std::span<const Sample> samples, const UtcMapping& mapping, Instant now) {
