@@ -10,8 +10,11 @@ namespace {
 // This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
 
-bool has_block(const Frame& frame) {
-  return std::ranges::any_of(frame.fields, [](const Field& field) { return !field.key.empty(); });
+bool has_block(const Operation& operation) {
+  const auto has_key = [](const Frame& form) {
+    return std::ranges::any_of(form.fields, [](const Field& field) { return !field.key.empty(); });
+  };
+  return has_key(operation.response) || std::ranges::any_of(operation.others, has_key);
 }
 
 // Limited because each received byte searches all bytes again.
@@ -20,7 +23,7 @@ std::size_t most_received(const Declaration& declaration) {
   for (const Operation& operation : declaration.operations) {
     const unsigned item_bits = declaration.areas[operation.area].item_bits;
     longest = std::max(longest, response_size(operation, item_bits, operation.max_count));
-    if (has_block(operation.response)) longest = std::max(longest, kMaxFrame);
+    if (has_block(operation)) longest = std::max(longest, kMaxFrame);
     for (const Operation& round : operation.before)
       longest = std::max(longest, size_of(round.response, 16, 0));
   }
@@ -244,7 +247,7 @@ Step DeclaredExchange::start(Bytes& out) {
   if (operation_.no_response > Duration::zero())
     return Step::send_without_response(operation_.no_response);
   // A block may have more than its known values; the wait must last for all of it.
-  Step step = Step::send(has_block(operation_.response)
+  Step step = Step::send(has_block(operation_)
                              ? kMaxFrame
                              : response_size(operation_, context_.item_bits, context_.count));
   step.response_baud = operation_.response_baud(context_.rate);

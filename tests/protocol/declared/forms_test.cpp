@@ -48,6 +48,30 @@ TEST(Repeated, FieldsHaveNumberedNames) {
   EXPECT_FALSE(battery.protocol().parse_address("voltage"));
 }
 
+// Of the lines of a block, a declaration names only some.
+TEST(FormsWithBlocks, MayBeLong) {
+  const Device meter = declared_by(R"(
+summary: a meter that sends its state or all lines
+addresses: { from: 1, to: 9 }
+areas: [{ name: readout, record: true }]
+operations:
+  - name: read
+    read: readout
+    request: [{ name: ask, constant: "R" }, { is: address }]
+    answers:
+      - [{ name: short, constant: "S" }, { name: state, is: value }, { name: end, constant: "\n" }]
+      - [{ name: long, constant: "L" }, { name: energy, is: value, key: "1.8.0(", text: 6 }, { name: end, constant: "!\n" }]
+)",
+                                   1);
+  std::string response = "L";
+  for (int line = 0; line < 40; ++line) response += "32.7.0(230.1*V)\r\n";
+  response += "1.8.0(001234)\r\n!\n";
+  const auto exchange = meter.protocol().begin(meter.read("energy", 3), {1, nullptr});
+  const auto outcome = drive(*exchange, {Bytes(response.begin(), response.end())});
+  ASSERT_TRUE(outcome.done()) << to_text(outcome.cause);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), to_hex(bytes("303031323334")));
+}
+
 // Each group has its own checksum, over its own fields.
 TEST(Repeated, SpansNameTheFieldsOfTheirRepetition) {
   const Device device = declared_by(R"(
