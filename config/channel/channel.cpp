@@ -293,12 +293,15 @@ void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSp
 }
 
 // The refresh of a channel that is never requested is the longest accepted silence.
-void check_unsolicited(MapReader& map, const Draft& draft) {
+void check_unsolicited(MapReader& map, Draft& draft) {
   if (!draft.spec.unsolicited) return;
-  if (draft.spec.mode == Mode::kOnDemand)
-    map.fault("mode",
-              fmt::format("'{}' is sent by the device and never read on demand", draft.spec.at),
-              "no 'mode'");
+  if (draft.spec.mode == Mode::kOnDemand) {
+    if (map.has("mode"))
+      map.fault("mode",
+                fmt::format("'{}' is sent by the device and never read on demand", draft.spec.at),
+                "no 'mode'");
+    draft.spec.mode = Mode::kScheduled;  // an inherited default only applies if it is possible
+  }
   if (draft.spec.refresh > draft.area->unsolicited) return;
   map.fault("refresh",
             fmt::format("refresh {} is not longer than the time between two frames of the device",

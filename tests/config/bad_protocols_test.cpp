@@ -139,6 +139,13 @@ TEST(DeclaredProtocols, AnUnsolicitedChannelIsOnlyWatched) {
                                  "device; allowed: above 1s, for example 3s"));
   EXPECT_THAT(faults_of(load("refresh: 3s, mode: on-demand")),
               testing::HasSubstr("'altitude' is sent by the device and never read on demand"));
+
+  // Where a default cannot hold it does not.
+  std::string inherited = meters("1", "{ name: c, at: altitude, type: float64, refresh: 3s }");
+  inherited.replace(inherited.find("channels"), 0, "mode: on-demand, ");
+  const auto scheduled = load_text(inherited, "/etc/plant.yaml", files);
+  ASSERT_TRUE(scheduled) << faults_of(scheduled);
+  EXPECT_EQ(scheduled->buses[0].devices[0].channels[0].mode, Mode::kScheduled);
 }
 
 TEST(DeclaredProtocols, AreComparedByWhatTheySay) {
