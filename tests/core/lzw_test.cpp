@@ -58,14 +58,15 @@ TEST(LzwVectors, BothDirectionsAreAsPrinted) {
 TEST(LzwVectors, WhatIsMalformedIsAFault) {
   int seen = 0;
   for (const auto& vector : test::load_vectors("dtc")) {
-    const bool truncated = vector.name == "lzw_truncated";
-    if (!truncated && vector.name != "lzw_code_too_high") continue;
+    if (vector.kind != "malformed" || !vector.has("codes_hex")) continue;
     ++seen;
-    const auto back = decoded(vector.hex("codes_hex"), truncated ? 64 : 2);
+    const auto back =
+        decoded(vector.hex("codes_hex"), std::stoul(vector.texts.at("original_length")));
     ASSERT_FALSE(back.has_value()) << vector.name;
-    EXPECT_EQ(back.error(), truncated ? LzwFault::kTruncated : LzwFault::kCode);
+    if (vector.name == "lzw_truncated") { EXPECT_EQ(back.error(), LzwFault::kTruncated); }
+    if (vector.name == "lzw_code_too_high") { EXPECT_EQ(back.error(), LzwFault::kCode); }
   }
-  EXPECT_EQ(seen, 2);
+  EXPECT_GE(seen, 2);
 }
 
 TEST(Lzw, AgreesWithADictionaryOfStringsOnAnyData) {

@@ -92,7 +92,8 @@ std::optional<Request> meant(const Device& device, const std::string& q) {
   }
   if (q[1] == '1') {
     const auto at = placed(number(q.substr(2, 4)), number(q.substr(6, 2)));
-    return device.write(at->at, reversed_pairs(q.substr(8, q.size() - 11), 2));
+    const std::size_t bytes = number(q.substr(6, 2));
+    return device.write(at->at, reversed_pairs(q.substr(8, q.size() - 11), bytes / at->count));
   }
   if ((q[1] == '7' || q[1] == '8') && q.size() == 9) {
     return device.write(forced(number(q.substr(4, 2)) * 256 + number(q.substr(2, 2))),

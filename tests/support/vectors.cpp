@@ -17,7 +17,8 @@ using nlohmann::json;
 GoldenVector vector_of(const json& object) {
   GoldenVector vector;
   for (const auto& [field, value] : object.items()) {
-    if (value.is_string()) vector.texts[field] = value.get<std::string>();
+    if (value.is_null()) continue;
+    vector.texts[field] = value.is_string() ? value.get<std::string>() : value.dump();
   }
   vector.name = vector.texts["name"];
   vector.kind = vector.texts["kind"];

@@ -19,7 +19,7 @@ struct GoldenVector {
   Bytes response;
   std::vector<Bytes> master;                 // dialogue: what the master sends,
   std::vector<Bytes> slave;                  // and the data that follows each (joined if several)
-  std::map<std::string, std::string> texts;  // every text field, unchanged
+  std::map<std::string, std::string> texts;  // every field; others than texts as JSON
 
   [[nodiscard]] bool has(const std::string& field) const { return texts.contains(field); }
   [[nodiscard]] Bytes hex(const std::string& field) const;  // empty if the field is missing

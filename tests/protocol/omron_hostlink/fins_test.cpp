@@ -98,11 +98,12 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     EXPECT_EQ(outcome.code, number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)));
     // A wrong FCS is a line error, so the request is retried. The CPU mode and errors, and a busy
     // or silent destination, are temporary states.
-    static const std::set<int> kMoment{0x01,   0x02,   0x0B,   0x21,   0x0204, 0x0205,
-                                       0x2201, 0x2203, 0x2206, 0x2502, 0x3001, 0x4001};
-    EXPECT_EQ(outcome.cause, outcome.code == 0x13             ? Cause::kChecksum
-                             : kMoment.contains(outcome.code) ? Cause::kDeviceBusy
-                                                              : Cause::kDeviceError);
+    static const std::set<int> kLine{0x13, 0xA3},
+        kMoment{0x01, 0x02, 0x0B, 0x21, 0x2502, 0x3001, 0x4001}, kClasses{0x01, 0x02, 0x03, 0x22};
+    const bool moment = kMoment.contains(outcome.code) || kClasses.contains(outcome.code >> 8);
+    EXPECT_EQ(outcome.cause, kLine.contains(outcome.code) ? Cause::kChecksum
+                             : moment                     ? Cause::kDeviceBusy
+                                                          : Cause::kDeviceError);
   }
 }
 
@@ -117,6 +118,21 @@ TEST(FinsVectors, WhatIsMalformedHasNoValue) {
     EXPECT_FALSE(drive(*device.begin(device.read("DM0")), vector.response).done());
   }
   EXPECT_GE(seen, 1);
+}
+
+// Datagrams and frames of TCP are those of the protocol omron-fins. Fieldcast does not have Toolbus.
+TEST(FinsVectors, FramesOfEthernetAreExplained) {
+  int seen = 0;
+  for (const GoldenVector& vector : load_vectors("fins")) {
+    if (vector.framing != "raw" && vector.framing != "tcp") continue;
+    SCOPED_TRACE(vector.name);
+    for (const Bytes& frame : {vector.request, vector.response}) {
+      if (frame.empty()) continue;
+      ++seen;
+      EXPECT_EQ(has_fault(find_protocol("omron-fins")->explain(frame)), vector.kind == "malformed");
+    }
+  }
+  EXPECT_GE(seen, 18);
 }
 
 TEST(Fins, TheMatrixOfARefusalHolds) {
