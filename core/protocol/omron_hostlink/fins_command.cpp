@@ -146,8 +146,8 @@ Step FinsCommand::judge(ByteView message, Cause& silence) {
     // Only a relay adds data (the failed node). The XOR of Host Link does not detect the loss of
     // two equal characters.
     const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
-    const Cause cause = device_code_cause(kFinsCodes, end & 0x7FFF);
-    return shaped ? Step::failed(cause, end) : Step::need_response();
+    const std::uint16_t code = end & 0x7FFF;
+    return shaped ? Step::failed(device_code_cause(kFinsCodes, code), code) : Step::need_response();
   }
   if (message.size() != response_size_) return Step::need_response();
   return ranges_.size() > 1 ? unpack_many(data) : unpack(data);

@@ -95,7 +95,8 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     const auto exchange = device.begin(device.read("DM0"), sid);
     const Outcome outcome = drive(*exchange, vector.response);
     const bool host_link_level = answer.substr(5, 2) != "00";
-    EXPECT_EQ(outcome.code, number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)));
+    EXPECT_EQ(outcome.code,
+              number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)) & 0x7FFF);
     // A wrong FCS is a line error, so the request is retried. The CPU mode and errors, and a busy
     // or silent destination, are temporary states.
     static const std::set<int> kLine{0x13, 0xA3},
@@ -227,6 +228,18 @@ TEST(Fins, ARelayedRequestCarriesTheWholeHeader) {
   const Outcome outcome = drive(*exchange, framed("@00FA00C00002000000050300000101000000FF"));
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   EXPECT_EQ(to_hex(outcome.reply[0].items), "00 FF");
+}
+
+// Bit 7 of the end code, and the node behind it (W227, 5-1): its code is that of the table.
+TEST(Fins, ARelayThatGotNoResponseLeavesAWriteInDoubt) {
+  const Device device = plc({{"network", "5"}, {"node", "3"}});
+  const auto exchange = device.begin(device.write("DM0", "00FF"));
+  const Outcome outcome = drive(*exchange, framed("@00FA00C0000200000005030000010282050503"));
+  EXPECT_EQ(outcome.cause, Cause::kDeviceBusy);
+  EXPECT_EQ(outcome.code, 0x0205);
+  const auto codes = device.protocol().traits().codes;
+  EXPECT_TRUE(may_have_written(codes, outcome.code));
+  EXPECT_EQ(device_code_text(codes, outcome.code), "destination did not respond");
 }
 
 TEST(Fins, ARangeAcrossTwoBanksIsRefused) {
