@@ -148,6 +148,20 @@ TEST(DeltaDvp, ReadsTheExamplesOfTheManual) {
   EXPECT_EQ(refused.code, 2);
 }
 
+// Such a code refuses no address: the request is sent again.
+TEST(Plcs, ARequestThatTheLineDamagedIsATemporaryState) {
+  for (const auto& [protocol, at, response] :
+       {std::tuple{"panasonic-mewtocol", "DT1", "%01!4001\r"},
+        std::tuple{"delta-dvp-ascii", "D1", ":01830775\r\n"}}) {
+    const Device device = declared_device(protocol, 1);
+    const Outcome refused = drive(*device.begin(device.read(at, 1)), plc_bytes(response));
+    EXPECT_EQ(refused.cause, Cause::kDeviceBusy) << protocol;
+  }
+  const Device device = declared_device("delta-dvp-rtu", 1);
+  EXPECT_EQ(drive(*device.begin(device.read("D1", 1)), *from_hex("01 83 07 00 F2")).cause,
+            Cause::kDeviceBusy);
+}
+
 TEST(DeltaDvp, WritesTheExamplesOfTheManual) {
   const Device device = declared_device("delta-dvp-ascii", 1);
   const Request output = device.write("Y0", "01");
