@@ -129,6 +129,29 @@ class Stations(unittest.TestCase):
         listed = section("docs/stations.md", "Topics")
         self.assertEqual(set(re.findall(r"`(fieldcast/\w+)`", listed)), topics)
 
+    def test_the_qos_of_a_topic_is_that_of_its_profile(self):
+        # A test in C++ compares the profiles with the topics of the bridge.
+        space = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
+        root = ElementTree.fromstring(read("bridge/dds/profiles/fieldcast-station.xml"))
+        profiles = {each.get("profile_name"): each for kind in ("data_reader", "data_writer") for each in root.iter(space + kind)}
+        texts = [row.split("|")[1:4:2] for row in section("docs/stations.md", "Topics").splitlines() if row.startswith("| `")]
+        texts += [line.split(": ", 1) for line in re.findall(r"// ---- (fieldcast/.*: reliable.*)", read("idl/fieldcast.idl"))]
+        compared = set()
+        for names, qos in texts:
+            for name in re.findall(r"fieldcast/\w+", names):
+                if name not in profiles or "as `Command`" in qos:
+                    continue  # between bridges, or the QoS of another row
+                kinds = {each.tag.removeprefix(space): each.find(space + "kind").text
+                         for each in profiles[name].iter() if each.find(space + "kind") is not None}
+                self.assertIn(kinds["reliability"].lower() + ", " + kinds["durability"].lower().replace("_", "-"), qos, name)
+                for history in re.findall(r"keep (?:all|last \d+)", qos):
+                    self.assertEqual(history.split()[1].upper(), kinds["historyQos"].split("_")[1], name)
+                    if kinds["durability"] == "TRANSIENT_LOCAL":
+                        depth = profiles[name].find(f"{space}topic/{space}historyQos/{space}depth").text
+                        self.assertEqual(history, f"keep last {depth}", name)
+                compared.add(name)
+        self.assertEqual(compared | {"fieldcast/AlarmAction"}, set(profiles))
+
     def test_every_quality_and_every_state_of_a_command_is_explained(self):
         for name, heading in [("Quality", "Quality"), ("CommandState", "Commands and their results")]:
             members = re.search(rf"enum {name} \{{(.*?)\}}", read("idl/fieldcast.idl"), re.DOTALL).group(1)
