@@ -445,7 +445,8 @@ ExitCode run(int argc, char** argv) {
       "Signals: SIGHUP reloads the file, SIGUSR1 switches the wire trace, SIGTERM and SIGINT stop "
       "in order.\n"
       "Exit codes: 0 in order, 1 a fault of the program, 2 command line, 3 faults in the "
-      "configuration, 4 DDS cannot be joined, 5 a driver or a library hung during the stop.");
+      "configuration, 4 DDS cannot be joined or the programming server cannot listen, 5 a driver "
+      "or a library hung during the stop.");
   std::string path;
   bool check = false, trace = false;
   line.text("CONFIG", path, "the configuration (YAML)").required();

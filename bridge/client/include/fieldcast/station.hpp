@@ -96,8 +96,9 @@ class Station {
   [[nodiscard]] Subscription programming_sessions(
       const std::function<void(const ProgrammingSession&)>& on_session);
 
-  /// Asks the bridges to read the channels at this refresh or faster while the Subscription exists.
-  /// Empty if this station, by DDS Security, may not declare interests.
+  /// Requests the channels with `acquire: on-interest` at this refresh while the Subscription
+  /// exists. Other channels keep their refresh. Empty if this station, by DDS Security, may not
+  /// declare interests.
   [[nodiscard]] Subscription interest(std::string_view pattern, Duration refresh);
 
   /// Writes one value to the channel BUS/DEVICE/CHANNEL and blocks for the result. The bridge
