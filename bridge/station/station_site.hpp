@@ -82,7 +82,8 @@ struct Station::Site {
     else
       declared.erase(of_station);
     idl::Interest interest;
-    interest.station() = station.short_name;
+    // Stations of one name have interests of their own: the key contains the process.
+    interest.station() = station.requester;
     interest.pattern() = pattern;
     if (declared.empty()) {
       declared_interests.erase(pattern);

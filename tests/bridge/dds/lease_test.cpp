@@ -73,6 +73,36 @@ TEST(DdsLease, AnInterestEndsWithItsWritersLeaseAndStandsAgainWithIt) {
   EXPECT_TRUE(eventually(stands));
 }
 
+// Each `fieldcast watch --refresh` is a station of one name.
+TEST(DdsLease, AnInterestStandsWhenAnotherStationOfItsNameEnds) {
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  const auto shortest = [&] {
+    std::map<std::string, Duration> by_station;
+    for (const Interest& interest : received.interests.all()) {
+      if (interest.pattern != "wall/*/*") continue;
+      by_station.erase(interest.station);
+      if (interest.refresh) by_station.emplace(interest.station, *interest.refresh);
+    }
+    Duration least{};
+    for (const auto& [station, refresh] : by_station)
+      least = least == Duration{} ? refresh : std::min(least, refresh);
+    return least;
+  };
+  Station first(loopback(), "panel");
+  first.declare_interest("wall/*/*", 5s);
+  ASSERT_TRUE(eventually([&] { return shortest() == 5s; }));
+  {
+    Station second(loopback(), "panel");
+    second.declare_interest("wall/*/*", 1s);
+    ASSERT_TRUE(eventually([&] { return shortest() == 1s; }));
+    second.declare_interest("wall/*/*", 8s);
+    EXPECT_TRUE(eventually([&] { return shortest() == 5s; })) << "that of the first one";
+  }
+  ASSERT_TRUE(eventually([&] { return !received.interests.all().back().refresh; }));
+  EXPECT_EQ(shortest(), 5s);
+}
+
 // Nothing is published on the bus: it is on demand now, and only its status continues.
 TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedInTheChannel) {
   const std::string bus = bus_name("interesting");
