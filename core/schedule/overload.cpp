@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/model/bus_spec.hpp"
+#include "core/plan/wire_model.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
@@ -33,6 +34,8 @@ struct WiredBus {
 struct Singly {
   double load = 0;      // infinite if a protocol has no size for such requests
   double tightest = 0;  // largest share of a refresh that the request of one point needs
+  Duration longest{};   // longest request of one point
+  Duration shortest = Duration::max();  // shortest refresh
 };
 
 Singly one_by_one(const ScheduleInput& input) {
@@ -52,6 +55,8 @@ Singly one_by_one(const ScheduleInput& input) {
     const double share = to_seconds(entry->second) / to_seconds(point.refresh);
     sum.load += share;
     sum.tightest = std::max(sum.tightest, share);
+    sum.longest = std::max(sum.longest, entry->second);
+    sum.shortest = std::min(sum.shortest, point.refresh);
   }
   return sum;
 }
@@ -63,6 +68,32 @@ double planned_load(const ScheduleInput& input, const Singly& singly, Planner pl
 
 // A plan needs at most the time of separate requests, plus the cost of slots and alignment.
 constexpr double kPlanIsSure = 0.5;
+// A longer request, as a share of the shortest refresh, may delay other reads at any load.
+constexpr double kDelaysNone = 0.25;
+// More is overload, as for the engine (OverloadWatch).
+constexpr double kStretched = 1.001;
+
+struct Needed {
+  double load = 0;     // share of the wire
+  double stretch = 1;  // largest factor on a refresh, also by a long read that delays it
+  [[nodiscard]] bool fits() const { return load <= 1 && stretch <= kStretched; }
+};
+
+Needed needed_by(const ScheduleInput& input, const Singly& singly, Planner planner) {
+  const WireModel wire(input, planner);
+  PlanBasis basis{wire, planned_points(input, wire.layout)};
+  Grouping grouping = group_points(basis);
+  const ReadPlan plan = std::move(make_plans(std::move(basis), std::move(grouping)).front());
+  Needed needed{plan.planned_load(), std::max(singly.tightest, plan.stretch)};
+  if (singly.tightest > 1) needed.load = planned_load(input, singly, planner);
+  if (!needed.fits()) return needed;
+  for (OrderIndex index = 0; index < plan.points.size(); ++index) {
+    const Duration gap = plan.points[index].worst_gap.value_or(Duration::zero());
+    const Duration refresh = input.points[plan.order[index]].refresh;
+    needed.stretch = std::max(needed.stretch, to_seconds(gap) / to_seconds(refresh));
+  }
+  return needed;
+}
 
 std::string rounded(double number) {
   std::array<char, 32> buffer{};
@@ -75,14 +106,15 @@ std::string rounded(double number) {
 std::optional<Overload> overload_of(const BusSpec& bus, Duration response_time) {
   const WiredBus wired(bus, response_time);
   const Singly singly = one_by_one(wired.input);
-  if (singly.load <= kPlanIsSure) return std::nullopt;
-  Overload overload{planned_load(wired.input, singly, bus.planner), 1, std::nullopt};
-  if (overload.load <= 1) return std::nullopt;
-  overload.stretch = std::max(singly.tightest, planned_load_of(wired.input, bus.planner).stretch);
+  const bool delays_none = to_seconds(singly.longest) <= kDelaysNone * to_seconds(singly.shortest);
+  if (singly.load <= kPlanIsSure && delays_none) return std::nullopt;
+  const Needed needed = needed_by(wired.input, singly, bus.planner);
+  if (needed.fits()) return std::nullopt;
+  Overload overload{needed.load, needed.stretch, std::nullopt};
   if (!has_line(bus.port)) return overload;
   for (const std::uint32_t baud : kStandardRates) {
     const auto faster = at_rate(wired.input, baud);
-    if (faster && planned_load(*faster, one_by_one(*faster), bus.planner) <= 1) {
+    if (faster && needed_by(*faster, one_by_one(*faster), bus.planner).fits()) {
       overload.baud = baud;
       break;
     }
@@ -104,8 +136,11 @@ double asked_load(const ScheduleInput& input, Planner planner) {
 }
 
 std::string to_text(const Overload& overload) {
-  return "more is wanted than the wire carries, " + rounded(overload.load) +
-         " times as much: refreshes will be up to " + rounded(overload.stretch) +
+  return (overload.load > 1
+              ? "more is wanted than the wire carries, " + rounded(overload.load) + " times as much"
+              : "the refreshes do not fit together on the wire, although they need " +
+                    rounded(100 * overload.load) + " % of it") +
+         ": refreshes will be up to " + rounded(overload.stretch) +
          " times as long as configured. Refresh less often, " +
          (overload.baud ? "run the line at " + std::to_string(*overload.baud) + " baud or more, "
                         : "") +

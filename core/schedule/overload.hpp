@@ -14,10 +14,10 @@
 namespace fieldcast {
 
 struct Overload {
-  double load = 0;     // planned: required multiple of the wire
-  double stretch = 1;  // largest factor on a requested refresh
-  // Next standard rate with enough wire time; empty if none. A plan may need a higher one.
-  std::optional<std::uint32_t> baud;
+  double load = 0;  // planned: required multiple of the wire
+  // Largest factor on a requested refresh, by the load or by a long read that delays it.
+  double stretch = 1;
+  std::optional<std::uint32_t> baud;  // next standard rate at which the plan fits; empty if none
 };
 
 inline constexpr double kHopelessLoad = 100;

@@ -176,6 +176,35 @@ TEST(LoadCheck, ARefreshShorterThanItsOwnReadCountsAsItIsAskedFor) {
   EXPECT_FALSE(overload->baud);
 }
 
+// A read of 50 registers needs 138 ms of 9600 baud, and the other refresh is 100 ms.
+TEST(LoadCheck, ALongReadThatDelaysAShortRefreshIsReportedAtAnyLoad) {
+  BusSpec bus = bus_of(2, 100ms, 9600);
+  ChannelSpec& name = bus.devices[0].channels[1];
+  name.range.count = 50;
+  name.refresh = 10s;
+  const auto overload = overload_of(bus, 5ms);
+  ASSERT_TRUE(overload);
+  EXPECT_LT(overload->load, 0.5);
+  EXPECT_NEAR(overload->stretch, 1.65, 0.1);
+  EXPECT_EQ(overload->baud, 19200u);
+  EXPECT_THAT(to_text(*overload), AllOf(HasSubstr("do not fit together on the wire"),
+                                        Not(HasSubstr("more is wanted"))));
+  name.refresh = 100ms;
+  name.range.count = 1;
+  EXPECT_FALSE(overload_of(bus, 5ms));
+}
+
+// The plan rounds the refreshes down to multiples of the shortest.
+TEST(LoadCheck, RefreshesThatFitByTheirLoadAndNotByThePlanAreReported) {
+  BusSpec bus = bus_of(4, 100ms, 9600);
+  for (const auto& [channel, refresh] : {std::pair{1, 250ms}, {3, 250ms}})
+    bus.devices[0].channels[static_cast<std::size_t>(channel)].refresh = refresh;
+  const auto overload = overload_of(bus, 5ms);
+  ASSERT_TRUE(overload);
+  EXPECT_LE(overload->load, 1);
+  EXPECT_GT(overload->stretch, 1.02);
+}
+
 TEST(LoadCheck, WhatIsReadOnlyOnDemandOrOnInterestCostsNothing) {
   BusSpec bus = bus_of(100, 1s, 19200);
   for (ChannelSpec& channel : bus.devices[0].channels) channel.on_interest = true;
