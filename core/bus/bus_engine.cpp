@@ -110,7 +110,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     return take_stray(event.bytes, now, sink);
   }
   Bytes out;
-  const auto outcome = parts_.late.skip_repetition(parts_.wire(), event.bytes, now, out);
+  auto outcome = parts_.late.skip_repetition(parts_.wire(), event.bytes, now, out);
   const Asked& asked = parts_.wire().flight().asked;
   parts_.fence.bytes_came(parts_.wire().driver().received().empty(), now);
   // The wire may belong to another master, and these bytes to its exchange.
@@ -123,6 +123,9 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     const auto late = parts_.late.in_exchange(asked, parts_.wire().driver(), now);
     if (!late.empty()) forecast_.doubt();
     outcomes_.take_late(late, now, sink);
+    // The refusal was that of an earlier request. If not, a repetition of this one is refused, too.
+    if (outcome == ExchangeDriver::Outcome::kFailed && !late.empty() && late.back().refused)
+      outcome = parts_.late.skip_late(parts_.wire(), now, out);
   }
   // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&

@@ -154,6 +154,12 @@ std::vector<LateResponseFilter::Late> LateResponseFilter::in_exchange(const Aske
   return found;
 }
 
+ExchangeDriver::Outcome LateResponseFilter::skip_late(Wire& wire, Instant now, Bytes& out) {
+  const std::size_t size = claimed_;
+  start_anew();
+  return wire.wait_on(size, now, out);
+}
+
 std::vector<LateResponseFilter::Late> LateResponseFilter::in_strays(ByteView bytes, Instant now) {
   std::vector<Late> found;
   if (owed_.empty()) return found;
@@ -213,6 +219,7 @@ std::size_t LateResponseFilter::end_of_response(const Asked& asked, ByteView byt
 LateResponseFilter::Late LateResponseFilter::late_response(PendingResponses::Debt paid,
                                                            bool refused, Instant now) const {
   Late late;
+  late.refused = refused;
   late.taken = std::max(paid.before, now - paid.asked.sent_until) -
                setup_.response_wire_time(paid.asked.device, paid.asked.request);
   const bool counts = !refused && now <= paid.counts_until;

@@ -24,8 +24,9 @@ class LateResponseFilter {
 
   struct Late {
     Asked asked;
-    Block block;       // the values it contains; no points if they are not needed
-    Reply reply;       // if there is a block
+    Block block;  // the values it contains; no points if they are not needed
+    Reply reply;  // if there is a block
+    bool refused = false;
     Duration taken{};  // response time of the device
   };
   // A command must not use a response that is older than itself.
@@ -80,6 +81,8 @@ class LateResponseFilter {
 
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
                                               Instant now);
+  // The exchange waits on without the late responses. REQUIRES: in_exchange() has found some.
+  ExchangeDriver::Outcome skip_late(Wire& wire, Instant now, Bytes& out);
   [[nodiscard]] std::vector<Late> in_strays(ByteView bytes, Instant now);
 
   [[nodiscard]] RepetitionFilter& repetitions() { return repetitions_; }
