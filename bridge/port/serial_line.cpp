@@ -112,15 +112,19 @@ unsigned format_flags(const LineFormat& line) {
 }
 
 tl::expected<void, std::string> change_line(int fd, const LineFormat& line) {
-  termios2 settings{};
-  if (::ioctl(fd, TCGETS2, &settings) != 0)
+  termios2 before{};
+  if (::ioctl(fd, TCGETS2, &before) != 0)
     return tl::make_unexpected(last_fault("cannot read the line's settings"));
+  termios2 settings = before;
   settings.c_iflag = (settings.c_iflag & ~static_cast<tcflag_t>(INPCK)) | parity_check(line);
   settings.c_cflag = (settings.c_cflag & ~(kFormat | CBAUD)) | BOTHER | format_flags(line);
   settings.c_ispeed = settings.c_ospeed = line.baud;
   if (::ioctl(fd, TCSETS2, &settings) != 0)
     return tl::make_unexpected(last_fault("cannot set up the line"));
-  return is_pseudo_terminal(fd) ? tl::expected<void, std::string>{} : verify_settings(fd, line);
+  if (is_pseudo_terminal(fd)) return {};
+  auto verified = verify_settings(fd, line);
+  if (!verified) ::ioctl(fd, TCSETS2, &before);  // the driver has set something else
+  return verified;
 }
 
 std::optional<program::LineSettings> rate_of(int fd) {

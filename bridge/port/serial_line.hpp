@@ -27,7 +27,8 @@ struct LineRemark {
 // A pseudo-terminal ignores format and baud rate, so its remarks need no warning.
 [[nodiscard]] bool is_pseudo_terminal(int fd);
 
-// Keeps bytes in flight. Fails with a human-readable text if the driver refuses.
+// Keeps bytes in flight. Fails with a human-readable text if the driver refuses or uses other
+// settings; the line then keeps those from before.
 [[nodiscard]] tl::expected<void, std::string> change_line(int fd, const LineFormat& line);
 
 // Returns the bits of termios' c_cflag for data bits, parity and stop bits.

@@ -83,6 +83,14 @@ TEST(SerialLine, AFormatIsItsFlagsOfTermios) {
   EXPECT_EQ(format_flags({9600, 7, Parity::kOdd, 1}), static_cast<unsigned>(CS7 | PARENB | PARODD));
 }
 
+// The master of a pseudo-terminal acts as a driver that sets the rate, but knows 8N only.
+TEST_F(SerialPortTest, AChangeThatTheDriverSetsOtherwiseLeavesTheLineAsItWas) {
+  const int line = pty.master();
+  ASSERT_TRUE(change_line(line, {115200, 8, Parity::kNone, 1}));
+  EXPECT_FALSE(change_line(line, {9600, 7, Parity::kEven, 2}));
+  EXPECT_EQ(rate_of(line), (program::LineSettings{115200, 1}));
+}
+
 TEST_F(SerialPortTest, OpeningIsReportedLaterNotImmediately) {
   SerialPort port(io, spec());
   port.open(probe);
