@@ -123,8 +123,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void change_line(std::uint64_t lease, const telnet::LineChange& change,
-                   const std::function<void(bool)>& done) {
-    if (lease != lease_ || !revoked_ || stopped_) return done(false);
+                   const telnet::LineChangeDone& done) {
+    if (lease != lease_ || !revoked_ || stopped_) return done({});
     port_->change_line(change, done);
   }
 

@@ -57,7 +57,7 @@ void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
 }
 
 void BusRunner::change_line(std::uint64_t lease, const telnet::LineChange& change,
-                            std::function<void(bool)> done) {
+                            telnet::LineChangeDone done) {
   loop_->gate().post([loop = loop_, lease, change, done = std::move(done)] {
     loop->change_line(lease, change, done);
   });

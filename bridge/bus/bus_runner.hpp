@@ -110,7 +110,7 @@ class BusRunner {
   void lease(std::string who, Granted granted, Revoked revoked);
   // See Port::change_line(). `done` is called on the io thread and must only post.
   void change_line(std::uint64_t lease, const telnet::LineChange& change,
-                   std::function<void(bool done)> done);
+                   telnet::LineChangeDone done);
   // Call when the session's descriptor is closed. `lost`: reason why the line is no longer usable;
   // the port is then reopened. Has no effect on a lease that was revoked.
   void end_lease(std::uint64_t lease, std::optional<std::string> lost);

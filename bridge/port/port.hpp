@@ -68,11 +68,10 @@ class Port {
   [[nodiscard]] virtual FileDescriptor lease() = 0;
   // Restores the configured settings and drops bytes received meanwhile. No effect unless leased.
   virtual void end_lease() = 0;
-  // Of a leased line whose settings a server has. `done` is called once, with false if the value is
-  // not in force; perhaps inside the call.
+  // Of a leased line whose settings a server has. `done` is called once, perhaps inside the call.
   virtual void change_line([[maybe_unused]] const telnet::LineChange& change,
-                           const std::function<void(bool done)>& done) {
-    done(false);
+                           const telnet::LineChangeDone& done) {
+    done({});
   }
 
   static constexpr std::size_t kMaxUnsent = 4096;

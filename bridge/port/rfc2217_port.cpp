@@ -67,9 +67,9 @@ class Rfc2217Opening final : public TcpOpening {
 }  // namespace
 
 void Rfc2217Port::change_line(const telnet::LineChange& change,
-                              const std::function<void(bool)>& done) {
+                              const telnet::LineChangeDone& done) {
   const auto line = opening_ ? static_cast<Rfc2217Opening&>(*opening_).line() : nullptr;
-  line ? line->change(change, done) : done(false);
+  line ? line->change(change, done) : done({});
 }
 
 std::shared_ptr<PortOpening> Rfc2217Port::make_opening(PortListener& listener) {

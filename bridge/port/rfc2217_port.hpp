@@ -12,8 +12,7 @@ class Rfc2217Port final : public StreamPort {
       : io_(io), spec_(std::move(spec)) {}
   ~Rfc2217Port() override { close(); }
 
-  void change_line(const telnet::LineChange& change,
-                   const std::function<void(bool done)>& done) override;
+  void change_line(const telnet::LineChange& change, const telnet::LineChangeDone& done) override;
 
  private:
   std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;

@@ -56,11 +56,11 @@ void TelnetLine::wait_for_deadline() {
   });
 }
 
-void TelnetLine::change(const telnet::LineChange& change, std::function<void(bool)> done) {
-  if (over_ || !opened_) return done(false);
+void TelnetLine::change(const telnet::LineChange& change, telnet::LineChangeDone done) {
+  if (over_ || !opened_) return done({});
   while (to_server_.size() < kMaxResponses / 2 && read_line()) {  // what was sent before the change
   }
-  if (over_) return done(false);
+  if (over_) return done({});
   client_.change(change, steady_now(), to_server_);
   changes_.emplace_back(change, std::move(done));
   wait_for_deadline();
@@ -75,7 +75,7 @@ void TelnetLine::tell_changed() {
     if (found == changes_.end()) continue;
     const auto done = std::move(found->second);
     changes_.erase(found);
-    done(ended.done);
+    done(ended.in_force);
   }
 }
 

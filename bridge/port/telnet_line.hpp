@@ -32,9 +32,8 @@ class TelnetLine : public std::enable_shared_from_this<TelnetLine> {
   void start(Handlers handlers);
   // Moves bytes that have arrived to the other end.
   void turn();
-  // Changes a setting of the opened line. `done` is called later, with false if the value is not in
-  // force.
-  void change(const telnet::LineChange& change, std::function<void(bool done)> done);
+  // Changes a setting of the opened line. `done` is called once, perhaps inside the call.
+  void change(const telnet::LineChange& change, telnet::LineChangeDone done);
   // Whether a change may have left other settings than the constructor's.
   [[nodiscard]] bool changed() const { return client_.changes_line(); }
   void close();
@@ -60,7 +59,7 @@ class TelnetLine : public std::enable_shared_from_this<TelnetLine> {
   Handlers handlers_;
   Bytes to_server_, to_line_;
   telnet::LineClient client_;
-  std::vector<std::pair<telnet::LineChange, std::function<void(bool)>>> changes_;
+  std::vector<std::pair<telnet::LineChange, telnet::LineChangeDone>> changes_;
   std::string reason_;
   unsigned waiting_ = 0;  // for each Wait
   bool opened_ = false;

@@ -290,13 +290,14 @@ bool EngineerConnection::changed(const telnet::LineChange& change) {
 
 // The response to the client waits for that of the server.
 void EngineerConnection::change_at_server(const telnet::LineChange& change) {
-  auto done = [weak = weak_from_this(), &io = around_.io, change](bool in_force) {
-    asio::post(io, [weak, change, in_force] {
+  auto done = [weak = weak_from_this(), &io = around_.io,
+               change](std::optional<std::uint32_t> value) {
+    asio::post(io, [weak, change, value] {
       const auto self = weak.lock();
       if (!self || !self->device_) return;
       // Changes nothing for a control or a purge.
-      if (in_force) (void)set_value(self->lease_->format, change.kind, change.value);
-      self->tell(LineChanged{change, in_force});
+      if (value) (void)set_value(self->lease_->format, change.kind, *value);
+      self->tell(LineChanged{{change.kind, value.value_or(change.value)}, value.has_value()});
     });
   };
   lease_->runner->change_line(lease_->bus_lease, change, std::move(done));

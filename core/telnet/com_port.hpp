@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -80,6 +81,9 @@ struct LineChange {
   std::uint32_t value = 0;
   friend bool operator==(const LineChange&, const LineChange&) = default;
 };
+
+// Result of a LineChange: the value in force; empty if it is not known, or a control was refused.
+using LineChangeDone = std::function<void(std::optional<std::uint32_t> in_force)>;
 
 inline constexpr std::size_t kMaxSignature = 128;  // the rest is cut off
 

@@ -106,7 +106,7 @@ void LineClient::on_setting(const Message& message) {
 
 void LineClient::change(const LineChange& change, Instant now, Bytes& to_server) {
   changes_ = true;
-  if (awaited_.size() == kMaxAwaited) return changed_.push_back({change, false});
+  if (awaited_.size() == kMaxAwaited) return changed_.push_back({change});
   append_message(to_server, {From::kClient, change.kind, change.value});
   awaited_.push_back(change);
   deadline_ = now + kLimit;
@@ -115,16 +115,17 @@ void LineClient::change(const LineChange& change, Instant now, Bytes& to_server)
 void LineClient::on_changed(const Message& message) {
   const auto change = std::ranges::find(awaited_, message.kind, &LineChange::kind);
   if (change == awaited_.end()) return;
+  const bool setting = std::ranges::find(kSettings, message.kind) != std::end(kSettings);
   const bool done = message.value == change->value || message.kind == Kind::kPurge;
-  changed_.push_back({*change, done});
+  changed_.push_back({*change});
+  if (setting || done) changed_.back().in_force = setting ? message.value : change->value;
   awaited_.erase(change);
 }
 
 void LineClient::on_time(Instant now) {
   if (now < deadline()) return;
   if (open()) {
-    for (const LineChange& change : std::exchange(awaited_, {}))
-      changed_.push_back({change, false});
+    for (const LineChange& change : std::exchange(awaited_, {})) changed_.push_back({change});
     return;
   }
   std::string missing = "agreed on BINARY";

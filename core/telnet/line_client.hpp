@@ -35,7 +35,7 @@ class LineClient {
   void change(const LineChange& change, Instant now, Bytes& to_server);
   struct Changed {
     LineChange change;
-    bool done = false;  // the value is in force
+    std::optional<std::uint32_t> in_force{};  // see LineChangeDone
     friend bool operator==(const Changed&, const Changed&) = default;
   };
   // Those that have ended since the last call, in the order of the requests for each kind.

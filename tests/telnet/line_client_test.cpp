@@ -83,9 +83,9 @@ TEST_F(LineClientTest, AnEngineerChangesTheLineAndIsTold) {
   EXPECT_EQ(to_hex(out), option("01 00 00 25 80") + ' ' + option("03 01"));
   EXPECT_TRUE(client_.take_changed().empty());
   receive(hex(option("67 03")));  // the server keeps the parity
-  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{parity, false})});
-  receive(together({"41", option("65 00 00 25 80"), "42"}));
-  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{baud, true})});
+  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{parity, 3})});
+  receive(together({"41", option("65 00 00 25 7E"), "42"}));  // it rounds the rate
+  EXPECT_EQ(client_.take_changed(), std::vector{(Changed{baud, 9598})});
   EXPECT_EQ(client_.deadline(), kNever);
   EXPECT_EQ(data_, (Bytes{0x41, 0x42}));
   EXPECT_EQ(client_.fault(), "");
@@ -100,7 +100,10 @@ TEST_F(LineClientTest, AChangeWithoutAResponseIsNotInForce) {
   client_.on_time(kStart + LineClient::kLimit - Duration{1});
   EXPECT_TRUE(client_.take_changed().empty());
   client_.on_time(client_.deadline());
-  EXPECT_EQ(client_.take_changed(), std::vector{(LineClient::Changed{dtr, false})});
+  EXPECT_EQ(client_.take_changed(), std::vector{LineClient::Changed{dtr}});
+  client_.change(dtr, kStart, out);
+  receive(hex(option("69 08")));  // refused
+  EXPECT_EQ(client_.take_changed(), std::vector{LineClient::Changed{dtr}});
   EXPECT_TRUE(client_.open());
   EXPECT_EQ(client_.deadline(), kNever);
 }
@@ -110,7 +113,7 @@ TEST_F(LineClientTest, AFloodOfChangesIsBounded) {
   Bytes out;
   for (std::size_t i = 0; i <= LineClient::kMaxAwaited; ++i)
     client_.change({Kind::kBaud, 9600}, kStart, out);
-  EXPECT_EQ(client_.take_changed(), std::vector{(LineClient::Changed{{Kind::kBaud, 9600}, false})});
+  EXPECT_EQ(client_.take_changed(), (std::vector{LineClient::Changed{{Kind::kBaud, 9600}}}));
 }
 
 TEST_F(LineClientTest, ARefusalIsAFault) {

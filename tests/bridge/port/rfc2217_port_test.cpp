@@ -37,6 +37,7 @@ class Rfc2217Server {
 
   bool silent = false;              // never sends
   std::optional<LineFormat> fixed;  // the line cannot be changed
+  std::uint32_t nearest = 0;        // rate that the driver sets instead; 0: the requested one
   Bytes received;
   int purges = 0, connections = 0;
   LineFormat line;
@@ -68,10 +69,12 @@ class Rfc2217Server {
   }
   void execute(const telnet::LineAction& action, Bytes& out) {
     if (const auto* data = std::get_if<telnet::LineData>(&action)) append(received, data->bytes);
-    const auto* change = std::get_if<telnet::LineChange>(&action);
-    if (change == nullptr) return;
-    purges += change->kind == telnet::Kind::kPurge;
-    server_->on_changed(*change, !fixed, out);
+    const auto* request = std::get_if<telnet::LineChange>(&action);
+    if (request == nullptr) return;
+    telnet::LineChange change = *request;
+    purges += change.kind == telnet::Kind::kPurge;
+    if (change.kind == telnet::Kind::kBaud && nearest != 0) change.value = nearest;
+    server_->on_changed(change, !fixed, out);
   }
 
   tcp::acceptor acceptor_;
@@ -211,6 +214,16 @@ TEST_F(Rfc2217PortTest, ALeaseCarriesTwoMebibytesInBothDirections) {
   port.end_lease();
   server.send(Bytes{5});
   ASSERT_TRUE(run_until(io, [this] { return probe.received == Bytes{5}; }));
+}
+
+TEST_F(Rfc2217PortTest, AnEngineerHearsTheRateThatTheServerHasSet) {
+  open();
+  const FileDescriptor line = port.lease();
+  server.nearest = 250'000;
+  std::optional<std::uint32_t> in_force;
+  port.change_line({telnet::Kind::kBaud, 256'000}, [&](auto value) { in_force = value; });
+  ASSERT_TRUE(run_until(io, [&] { return in_force.has_value(); }));
+  EXPECT_EQ(in_force, 250'000u);
 }
 
 TEST_F(Rfc2217PortTest, ItReopensAfterClose) {
