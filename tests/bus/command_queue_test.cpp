@@ -130,6 +130,22 @@ TEST_F(CommandQueueTest, AGatewaysReadIsServedByAResponseThatContainsIt) {
   EXPECT_TRUE(results().empty()) << "a write may have changed the items";
 }
 
+TEST_F(CommandQueueTest, AWriteThatWasBrokenOffMakesStoredResponsesInvalid) {
+  queue_.read(0, {{test::kHolding, 100, 1}, {0, 1}, Instant{}, Instant{}}, Instant{}, sink_);
+  Command read = acquire("");
+  read.target = AddressTarget{"holding:100", {}};
+  read.gateway = true;
+  read.max_age = 1h;
+  accept(read);
+  EXPECT_EQ(results().size(), 1u);
+  accept(write("r0", 2));
+  ASSERT_TRUE(next());
+  queue_.failed(1, Cause::kPortClosed, 0, Instant{}, Instant{}, sink_);
+  EXPECT_EQ(results().size(), 1u) << "of the write";
+  accept(read);
+  EXPECT_TRUE(results().empty()) << "the write may have taken effect";
+}
+
 TEST_F(CommandQueueTest, AGatewaysReadGoesAfterAllCommands) {
   Command command = of("client", acquire("", "unit-2"));
   command.target = AddressTarget{"holding:100", {}};

@@ -254,6 +254,7 @@ void CommandQueue::responded(std::size_t batch, const Reply& reply, Instant acqu
 
 void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired,
                           Instant now, ActionSink& sink, std::string_view seen) {
+  if (first()->operation == Operation::kWrite) written(waiting_.front().job.device());
   for (std::size_t i = 0; i < batch; ++i) {
     const bool refused = cause == Cause::kUnsupported || waiting_[i].job.refuses(cause, code);
     if (batch > 1 && refused)
