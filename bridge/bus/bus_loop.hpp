@@ -259,7 +259,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       std::visit([&](auto& what) { execute(what, now); }, action);
     }
     processing_ = false;
-    if (std::exchange(not_sent_, false)) process(NotSent{}, steady_now());
+    for (const Bytes& bytes : std::exchange(not_sent_, {})) process(NotSent{bytes}, steady_now());
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
     wait_.next(now);
   }
@@ -272,10 +272,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void execute(const Send& send, Instant now) {
-    if (!may_send(now)) {
-      not_sent_ = true;
-      return;
-    }
+    if (!may_send(now)) return not_sent_.push_back(send.bytes);
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
     if (send.response_baud != 0) port_->receive_at(send.response_baud, send.bytes.size());
@@ -405,10 +402,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   Instant reported_{};
   std::uint64_t plan_reported_ = 0;  // number of the plan; 0: none yet
   Instant next_plan_report_{};
+  std::vector<Bytes> not_sent_;  // by the event that is processed
   bool open_ = false;
   bool report_soon_ = false;
   bool was_open_ = false;
-  bool not_sent_ = false;  // the last Send was not executed
   bool processing_ = false;
   bool stopped_ = false;
 };

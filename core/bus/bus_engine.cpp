@@ -243,8 +243,10 @@ void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
   sink.publish_uncounted(std::move(shown));
 }
 
-void BusEngine::handle(const NotSent&, Instant now, ActionSink& sink) {
-  if (!parts_.wire().exchanging()) return;
+void BusEngine::handle(const NotSent& event, Instant now, ActionSink& sink) {
+  const Wire* const sender = parts_.sender_of(event.bytes);
+  if (sender == nullptr) return;
+  parts_.select(*std::ranges::find(parts_.wires, sender, [](const Wire& wire) { return &wire; }));
   parts_.fence.not_sent(now);
   // Earlier requests of the exchange may have had an effect.
   if (!parts_.wire().first_request()) return give_up(Cause::kForeignMaster, now, sink);

@@ -77,8 +77,10 @@ class InFlightBus : public testing::Test {
     Actions actions;
     engine_.on_event(event, now_, actions);
     make_plans(engine_, now_, actions);
+    std::vector<Bytes> not_sent;
     for (const Action& action : actions) {
-      if (const auto* send = std::get_if<fieldcast::Send>(&action)) take(send->bytes);
+      if (const auto* send = std::get_if<fieldcast::Send>(&action))
+        may_send_ ? take(send->bytes) : not_sent.push_back(send->bytes);
       if (const auto* publish = std::get_if<Publish>(&action)) {
         for (const Sample& sample : publish->samples) check(sample);
       }
@@ -86,6 +88,7 @@ class InFlightBus : public testing::Test {
         results_.push_back(complete->result);
       reopened_ = reopened_ || std::holds_alternative<Reopen>(action);
     }
+    for (const Bytes& bytes : not_sent) feed(NotSent{bytes});
   }
   void take(const Bytes& request) {
     if (late_ == 0) { EXPECT_LE(waiting_.size() + 1, kMost); }
@@ -151,6 +154,7 @@ class InFlightBus : public testing::Test {
   Duration response_time_ = 4ms;
   bool shuffled_ = false;
   std::size_t piece_ = 7;
+  bool may_send_ = true;
   bool one_at_a_time_ = false;  // drops requests that arrive meanwhile
   unsigned drops_ = 0;          // each n-th request; 0: none
   unsigned late_ = 0;           // response to each n-th request; 0: none
@@ -169,6 +173,22 @@ TEST_F(InFlightBus, ReadsAsManyTimesAsOftenAsOneAtATime) {
   run(1s);
   EXPECT_EQ(most_, kMost);
   EXPECT_GT(good_, 4u * 1000 / 5) << "4 ms each, four at a time, and 0.1 ms until it is sent";
+}
+
+// As of a master that has lost its lease.
+TEST_F(InFlightBus, RequestsThatWereNotSentAreNotAwaited) {
+  feed(Opened{});
+  run(50ms);
+  may_send_ = false;
+  run(1s);
+  EXPECT_FALSE(engine_.exchanging());
+  const DeviceReport device = engine_.device_report(0, now_);
+  EXPECT_EQ(device.state, DeviceState::kOnline);
+  EXPECT_EQ(device.failures, 0u);
+  may_send_ = true;
+  const std::uint64_t before = good_;
+  run(50ms);
+  EXPECT_GT(good_, before + 20);
 }
 
 TEST_F(InFlightBus, ResponsesInAnyOrderBelongToTheirRequests) {

@@ -216,7 +216,8 @@ void SharedWire::feed(std::size_t index, const BusEvent& event) {
   engine.on_event(event, now_, actions);
   make_plans(engine, now_, actions);
   for (const Action& action : actions) act(index, action);
-  if (std::exchange(masters_[index]->not_sent, false)) feed(index, NotSent{});
+  for (const Bytes& bytes : std::exchange(masters_[index]->not_sent, {}))
+    feed(index, NotSent{bytes});
 }
 
 void SharedWire::act(std::size_t index, const Action& action) {
@@ -234,7 +235,7 @@ void SharedWire::act(std::size_t index, const Action& action) {
   const auto* sent = std::get_if<Send>(&action);
   if (sent == nullptr) return;
   if (may_send && !may_send(index)) {
-    master.not_sent = true;
+    master.not_sent.push_back(sent->bytes);
     return;
   }
   ++master.frames;

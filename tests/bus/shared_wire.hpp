@@ -42,7 +42,7 @@ class SharedWire {
     BusEngine engine;
     Adapter adapter;
     bool open = false, cut = false;
-    bool not_sent = false;
+    std::vector<Bytes> not_sent;
     Instant stopped_until = kLongAgo;
     Instant timer = kNever;
     Bytes received;  // delayed in the adapter

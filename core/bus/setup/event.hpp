@@ -53,8 +53,11 @@ struct StopRequested {};
 struct CountAbove {
   std::uint64_t number = 0;
 };
-// Another master may have taken the wire, so no byte was sent. Reported before other events.
-struct NotSent {};
+// Another master may have taken the wire, so no byte of this Send was sent. Reported before other
+// events. Valid during the call.
+struct NotSent {
+  ByteView bytes;
+};
 struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
