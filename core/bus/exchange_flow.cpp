@@ -195,7 +195,11 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool lost = (!ended.responded || busy) && !dropped && !flight.spare_time &&
                     device_failed(device, ended, framing_lost, now, sink);
   arbiter_.suspend(device, now);
-  if (framing_lost) return Reopen{"the header of the response is not valid"};
+  if (framing_lost) {
+    const auto codes = setup_.protocol(device).traits().codes;
+    return Reopen{ended.device_code == 0 ? "the header of the response is not valid"
+                                         : device_code_words(codes, ended.device_code)};
+  }
   // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
     return Reopen{"no device responds"};
