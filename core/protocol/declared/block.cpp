@@ -21,6 +21,14 @@ std::optional<std::size_t> record_size(ByteView data, std::uint8_t dif) {
   return std::nullopt;
 }
 
+// The length and the characters of a unit in plain text; 0 if the bytes do not begin with one.
+std::size_t unit_size(ByteView bytes) {
+  if (bytes.empty() || bytes[0] == 0 || bytes[0] >= bytes.size()) return 0;
+  const bool printable =
+      std::ranges::all_of(bytes.subspan(1, bytes[0]), [](auto c) { return c >= ' '; });
+  return printable ? 1u + bytes[0] : 0;
+}
+
 std::optional<ByteView> record_in(ByteView block, const Field& field) {
   std::size_t at = 0;
   const auto skip_extensions = [&] {
@@ -36,11 +44,18 @@ std::optional<ByteView> record_in(ByteView block, const Field& field) {
     }
     skip_extensions();
     if (at >= block.size()) return std::nullopt;
-    const bool plain = (block[at] & 0x7F) == kPlainTextUnit;
-    skip_extensions();
+    const std::uint8_t vif = block[at++];
+    const ByteView head = block.subspan(begin, at - begin);
+    const bool plain = (vif & 0x7F) == kPlainTextUnit;
+    // The unit is behind the extensions of the VIF, and in older meters before them.
+    const std::size_t unit = plain ? unit_size(block.subspan(at)) : 0;
+    at += unit;
+    const std::size_t extensions = at;
+    if ((vif & kExtended) != 0) skip_extensions();
     if (at > block.size()) return std::nullopt;
-    const ByteView header = block.subspan(begin, at - begin);
-    if (plain) at += at < block.size() ? 1u + block[at] : 1u;
+    Bytes header(head.begin(), head.end());
+    append(header, block.subspan(extensions, at - extensions));
+    if (plain && unit == 0) at += at < block.size() ? 1u + block[at] : 1u;
     if (at > block.size()) return std::nullopt;
     const auto size = record_size(block.subspan(at), dif);
     if (!size || *size > block.size() - at) return std::nullopt;
