@@ -109,13 +109,15 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
           false, fmt::format("the port of bus {} has TLS and cannot be leased", spec_.name)}));
     revoked_ = std::move(revoked);
     report_soon_ = true;
-    const bool response_expected = engine_.exchanging();
-    record_.remark("leased to " + who, mapping_.to_utc(steady_now()));
-    process(LeaseBegan{who}, steady_now());
-    if (!response_expected) return grant(granted);
-    // The programming software must not receive the response to our last request.
+    const Instant now = steady_now();
+    // The programming software must not receive a response to one of our requests.
+    Instant settled = engine_.responses_until();
+    if (engine_.exchanging()) settled = std::max(settled, now + engine_.longest_timeout());
+    record_.remark("leased to " + who, mapping_.to_utc(now));
+    process(LeaseBegan{who}, now);
+    if (settled <= now) return grant(granted);
     settling_ = granted;
-    settled_.expires_after(std::min(engine_.longest_timeout(), kLongestSettling));
+    settled_.expires_after(std::min(settled - now, kLongestSettling));
     settled_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
       if (cancelled) return;
       if (const Granted asked = std::exchange(self->settling_, {})) self->grant(asked);
@@ -188,8 +190,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
  private:
   static constexpr Duration kReportPeriod = std::chrono::seconds{1};
-  // Of a line that is leased during an exchange.
-  static constexpr Duration kLongestSettling = std::chrono::seconds{1};
+  // Of a line that is leased while a response may still arrive.
+  static constexpr Duration kLongestSettling = std::chrono::seconds{5};
   // Limit from decision to send on a fenced wire: less than FenceTimes leaves between two masters.
   static constexpr Duration kLatestSend = std::chrono::milliseconds{20};
   // Minimum, also if the state changes more often.

@@ -2,6 +2,7 @@
 
 #include "bridge/capture/bus_capture.hpp"
 #include "bridge/port/serial_line.hpp"
+#include "core/codec/checksum.hpp"
 #include "core/program/frame.hpp"
 #include "tests/bridge/program/lease_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
@@ -118,6 +119,41 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   EXPECT_EQ(foreign, 0u);
   ModbusDevice again(pty);
   EXPECT_TRUE(receives_more());
+}
+
+TEST_F(Lease, ALateResponseToTheBusIsNotGivenToTheEngineer) {
+  Pty pty;
+  auto device = std::make_unique<ModbusDevice>(pty);
+  start();
+  BusSpec bus = bus_of(serial_at(pty.path()));
+  bus.devices.push_back(bus.devices.front());
+  bus.devices.back().name = "silent";
+  bus.devices.back().number.clear();
+  bus.devices.back().link.address = 2;
+  for (DeviceSpec& each : bus.devices) {
+    each.timeout = milliseconds{300};
+    each.retries = 0;
+    each.channels.front().refresh = seconds{1};
+  }
+  run(bus);
+  ASSERT_TRUE(sink.wait_for([](const auto& r) {
+    const auto found = r.devices.find("silent");
+    return found != r.devices.end() && found->second.state == DeviceState::kOffline;
+  }));
+  TcpClient client = engineer();
+  client.send("@@P1FEFF");
+  ASSERT_TRUE(leased());
+  device->stop();  // the test acts as the PLCs
+  (void)pty.take();
+  Bytes late{2, 3, 2, 0, 7};
+  append_crc16(late, 0);
+  pty.send(late);
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
+  client.send("@@@00program*\rFEFF");
+  const Bytes received = pty.receive(12);
+  EXPECT_EQ(std::string(received.begin(), received.end()), "@00program*\r");
+  pty.send(program::as_bytes("@00ok*\r"));
+  EXPECT_EQ(client.receive("\rFEFF"), "@@@00ok*\rFEFF");
 }
 
 TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
