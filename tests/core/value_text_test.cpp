@@ -5,26 +5,27 @@
 namespace fieldcast {
 namespace {
 
-Encoding of(ValueType type) { return {.type = type}; }
-Value i(std::int64_t value) { return value; }
-Value u(std::uint64_t value) { return value; }
+Encoding typed(ValueType type) { return {.type = type}; }
+Value whole(std::uint64_t value) { return value; }
+Value integer(std::int64_t value) { return value; }
 
 TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x8000"), 0x8000u);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "-32768"), 0x8000u);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kInt16), "0x8000"), 0x8000u);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kInt16), "-32768"), 0x8000u);
   EXPECT_EQ(parse_not_available({.type = ValueType::kInt16, .scale = 0.1}, "32767"), 0x7FFFu);
-  EXPECT_EQ(parse_not_available(of(ValueType::kUint64), "0xFFFFFFFFFFFFFFFF"), UINT64_MAX);
-  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "0xFF7FFFFF"), 0xFF7FFFFFu);
-  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "-1"), 0xBF800000u);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "32768").error(), Cause::kRange);
-  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x10000").error(), Cause::kRange);
-  EXPECT_EQ(parse_not_available(of(ValueType::kBcd16), "12345").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kUint64), "0xFFFFFFFFFFFFFFFF"), UINT64_MAX);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kFloat32), "0xFF7FFFFF"), 0xFF7FFFFFu);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kFloat32), "-1"), 0xBF800000u);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kInt16), "32768").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kInt16), "0x10000").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kBcd16), "12345").error(), Cause::kRange);
   for (const char* nan : {"nan", "NaN", ".nan", ".NaN"}) {
-    EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), nan), 0x7FC00000u) << nan;
-    EXPECT_EQ(parse_not_available(of(ValueType::kFloat64), nan), 0x7FF8000000000000u) << nan;
-    EXPECT_EQ(parse_not_available(of(ValueType::kUint16), nan).error(), Cause::kWrongType) << nan;
+    EXPECT_EQ(parse_not_available(typed(ValueType::kFloat32), nan), 0x7FC00000u) << nan;
+    EXPECT_EQ(parse_not_available(typed(ValueType::kFloat64), nan), 0x7FF8000000000000u) << nan;
+    EXPECT_EQ(parse_not_available(typed(ValueType::kUint16), nan).error(), Cause::kWrongType)
+        << nan;
   }
-  EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "").error(), Cause::kWrongType);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kUint16), "").error(), Cause::kWrongType);
 }
 
 TEST(ValueText, NamesOfTypesLeadBack) {
@@ -35,17 +36,17 @@ TEST(ValueText, NamesOfTypesLeadBack) {
 }
 
 TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
-  EXPECT_EQ(parse_value(of(ValueType::kBool), " On "), Value{true});
-  EXPECT_EQ(parse_value(of(ValueType::kBool), "0"), Value{false});
-  EXPECT_EQ(parse_value(of(ValueType::kInt16), "-12"), i(-12));
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "0x1F"), u(31));
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "2.0"), u(2));
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551615"), u(UINT64_MAX));
-  EXPECT_EQ(parse_value(of(ValueType::kInt64), "-9223372036854775808"), i(INT64_MIN));
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "1e19"), u(10'000'000'000'000'000'000u));
+  EXPECT_EQ(parse_value(typed(ValueType::kBool), " On "), Value{true});
+  EXPECT_EQ(parse_value(typed(ValueType::kBool), "0"), Value{false});
+  EXPECT_EQ(parse_value(typed(ValueType::kInt16), "-12"), integer(-12));
+  EXPECT_EQ(parse_value(typed(ValueType::kUint16), "0x1F"), whole(31));
+  EXPECT_EQ(parse_value(typed(ValueType::kUint16), "2.0"), whole(2));
+  EXPECT_EQ(parse_value(typed(ValueType::kUint64), "18446744073709551615"), whole(UINT64_MAX));
+  EXPECT_EQ(parse_value(typed(ValueType::kInt64), "-9223372036854775808"), integer(INT64_MIN));
+  EXPECT_EQ(parse_value(typed(ValueType::kUint64), "1e19"), whole(10'000'000'000'000'000'000u));
   for (const char* text : {"2e19", "-2e19"})
-    EXPECT_EQ(parse_value(of(ValueType::kUint64), text), tl::unexpected(Cause::kRange)) << text;
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "7"), Value{7.0});
+    EXPECT_EQ(parse_value(typed(ValueType::kUint64), text), tl::unexpected(Cause::kRange)) << text;
+  EXPECT_EQ(parse_value(typed(ValueType::kFloat32), "7"), Value{7.0});
   EXPECT_EQ(parse_value({.type = ValueType::kInt16, .scale = 0.1}, "+2.5"), Value{2.5});
   EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "),
             Value{std::string(" x ")});
@@ -55,15 +56,15 @@ TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
   const auto wrong = tl::unexpected(Cause::kWrongType);
   const auto range = tl::unexpected(Cause::kRange);
   for (const auto* text : {"", "-", "+-1", "1 2", "0x", "0xG", "1e", "abc", "2.5", "--3"}) {
-    EXPECT_EQ(parse_value(of(ValueType::kInt16), text), wrong) << text;
+    EXPECT_EQ(parse_value(typed(ValueType::kInt16), text), wrong) << text;
   }
-  EXPECT_EQ(parse_value(of(ValueType::kBool), "2"), wrong);
-  EXPECT_EQ(parse_value(of(ValueType::kUint16), "-1"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "nan"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "inf"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kFloat64), "1e999"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kInt64), "9223372036854775808"), range);
-  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551616"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kBool), "2"), wrong);
+  EXPECT_EQ(parse_value(typed(ValueType::kUint16), "-1"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kFloat32), "nan"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kFloat32), "inf"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kFloat64), "1e999"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kInt64), "9223372036854775808"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kUint64), "18446744073709551616"), range);
 }
 
 TEST(ValueText, WordsOfABoolHaveNoCase) {
