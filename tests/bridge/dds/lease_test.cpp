@@ -48,6 +48,7 @@ void play_patient_station() {
   for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
     ASSERT_TRUE(is_taken(writer->write(&interest)));
+    std::this_thread::sleep_for(100ms);
   }
   ::pause();
 }
