@@ -26,6 +26,7 @@ TEST(Hex, RoundTrips) {
 TEST(Hex, RefusesOddAndForeignDigits) {
   EXPECT_FALSE(from_hex("012"));
   EXPECT_FALSE(from_hex("0G"));
+  EXPECT_FALSE(from_hex(std::string_view("0123").substr(0, 3))) << "the text ends before the 3";
   EXPECT_EQ(from_hex(""), Bytes{});
 }
 

@@ -47,6 +47,8 @@ TEST(Json, NamesAndTextsFromTheNetworkAreEscaped) {
 
 TEST(Json, AsciiFormEscapesEveryOtherCharacter) {
   EXPECT_EQ(ascii_json({{"°C", "😀"}}), R"({"\u00b0C":"\ud83d\ude00"})");
+  EXPECT_EQ(ascii_json({{"\uFFFD", "\U00010000\U0010FFFF"}}),
+            R"({"\ufffd":"\ud800\udc00\udbff\udfff"})");
 }
 
 std::string text_of(std::string_view text) {
@@ -72,6 +74,10 @@ TEST(JsonText, ValuesAreExact) {
   EXPECT_EQ(value_of(true), "true");
   EXPECT_EQ(value_of(0.1), "0.1");
   EXPECT_EQ(value_of(std::nan("")), "null");
+  EXPECT_EQ(value_of(std::int64_t{9007199254740992}), "9007199254740992");
+  EXPECT_EQ(value_of(std::int64_t{9007199254740993}), R"("9007199254740993")");
+  EXPECT_EQ(value_of(std::uint64_t{9007199254740992u}), "9007199254740992");
+  EXPECT_EQ(value_of(std::uint64_t{9007199254740993u}), R"("9007199254740993")");
   EXPECT_EQ(value_of(std::int64_t{-9007199254740992}), "-9007199254740992");
   EXPECT_EQ(value_of(std::int64_t{-9007199254740993}), R"("-9007199254740993")");
   EXPECT_EQ(value_of(std::uint64_t{18446744073709551615u}), R"("18446744073709551615")");
@@ -95,6 +101,15 @@ TEST(JsonText, AnObjectSetsItsCommas) {
                 .add_json("g", "[]")
                 .take(),
             R"({"a":"x","b":1.5,"c":7,"d":true,"e":1.5,"f":null,"g":[]})");
+}
+
+TEST(JsonText, AnArraySetsItsCommas) {
+  const auto array = [](const std::vector<std::string>& texts) {
+    return json_array(texts, append_json_text);
+  };
+  EXPECT_EQ(array({}), "[]");
+  EXPECT_EQ(array({"a"}), R"(["a"])");
+  EXPECT_EQ(array({"a", "b", "c"}), R"(["a","b","c"])");
 }
 
 TEST(JsonText, AJoinedObjectHasTheMembersOfBoth) {

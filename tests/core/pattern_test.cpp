@@ -16,6 +16,9 @@ TEST(Glob, StarStandsForAnyRun) {
   EXPECT_FALSE(glob_matches("a*b*c", "a-b-b-d"));
   EXPECT_FALSE(glob_matches("", "a"));
   EXPECT_FALSE(glob_matches("oil", "oil-temperature"));
+  EXPECT_TRUE(glob_matches(std::string_view("*a*").substr(0, 2), "aba"));
+  EXPECT_FALSE(glob_matches(std::string_view("oil").substr(0, 2), "oil"));
+  EXPECT_FALSE(glob_matches("oil-*t", "oil-"));
 }
 
 TEST(Glob, ManyStarsEndSoon) {  // exponential matchers would not return

@@ -213,6 +213,19 @@ TEST(AlarmLife, OccurrencesAreCountedUpToABound) {
   EXPECT_EQ(life.status().occurrences, AlarmLife::kMaxCounted);
 }
 
+TEST(AlarmLife, OfTheKeptOccurrencesTheNewestAreCounted) {
+  std::vector<UtcTime> occurrences;
+  for (std::size_t i = 0; i < AlarmLife::kMaxCounted + 500; ++i)
+    occurrences.push_back(utc(static_cast<int>(i) * 100ms));
+  AlarmLife life(AlarmPriority::kLow);
+  life.restore({}, occurrences, utc(150s));
+  EXPECT_EQ(life.status().occurrences, AlarmLife::kMaxCounted);
+  EXPECT_TRUE(life.status().chattering);
+  EXPECT_FALSE(life.count(utc(10min + 49'900ms))) << "the first 500 are not counted";
+  EXPECT_TRUE(life.count(utc(10min + 50s)));
+  EXPECT_EQ(life.status().occurrences, AlarmLife::kMaxCounted - 1);
+}
+
 TEST(AlarmLife, GoesOnAsItWasKept) {
   for (const Case& sample : kLives) {
     SCOPED_TRACE(sample.name);

@@ -263,8 +263,37 @@ TEST(AlarmRegistry, AStoreOfBeforeKnowsActiveAlarmsOnly) {
   ASSERT_EQ(ended.size(), 1u);
   EXPECT_EQ(ended[0].alarm, taken_away);
   EXPECT_EQ(status_text(*book.find(active)), "unacknowledged, active, medium, 1 times");
+  EXPECT_EQ(book.find(active)->value, 93);
+  EXPECT_EQ(book.find(active)->raised_at, after(1s));
+  EXPECT_EQ(book.find(active)->cleared_at, UtcTime{});
   EXPECT_EQ(book.find(not_ours), nullptr);
   EXPECT_EQ(book.find(taken_away), nullptr);
+}
+
+// The bridge stopped between the two changes: the limit was exceeded again, the state was not kept.
+TEST(AlarmRegistry, AnOccurrenceThatIsOnlyActiveInTheStoreIsOneOfItsOwn) {
+  AlarmRegistry registry;
+  (void)registry.configure(two_buses());
+  const AlarmKey alarm{"shop", "press-1", "level", LimitKind::kHigh};
+  AlarmStatus before, again;
+  before.raised_at = after(1s);
+  before.cleared_at = after(2s);
+  before.value = 80;
+  before.acknowledged = {"anna", "seen", after(2s)};
+  again.raised_at = after(3s);
+  again.value = 95;
+  KeptAlarms kept;
+  kept.states.push_back({alarm, before});
+  kept.active.push_back({alarm, again});
+  EXPECT_TRUE(registry.restore(kept, after(5s)).empty());
+  const AlarmStatus* status = registry.find(alarm);
+  ASSERT_NE(status, nullptr);
+  EXPECT_EQ(status->stage, AlarmStage::kUnacknowledged);
+  EXPECT_TRUE(status->active);
+  EXPECT_EQ(status->value, 95);
+  EXPECT_EQ(status->raised_at, after(3s));
+  EXPECT_EQ(status->cleared_at, UtcTime{});
+  EXPECT_EQ(status->acknowledged, AlarmNote{}) << "it was of the occurrence before";
 }
 
 TEST(AlarmRegistry, ARestoredBusLosesAlarmsThatAreNotStored) {

@@ -55,6 +55,13 @@ TEST(LimitWatch, WaitsForTheDelayAndForgetsWhatWasShorter) {
   EXPECT_EQ(watch.value(), 93);
 }
 
+TEST(LimitWatch, EachOccurrenceWaitsForTheDelay) {
+  LimitWatch watch(LimitKind::kHigh, 90, 0, seconds{3});
+  EXPECT_EQ(told(watch, {91, 91, 91, 91, 89, 91, 91, 91, 92}), "...RC...R");
+  EXPECT_EQ(watch.since(), at(5));
+  EXPECT_EQ(watch.value(), 92);
+}
+
 TEST(LimitWatch, AnAlarmOfBeforeGoesOnWithItsOwnBeginningUntilAGoodValueEndsIt) {
   LimitWatch high(LimitKind::kHigh, 90, 2, seconds{3});
   high.restore(93, at(-500));
@@ -163,6 +170,32 @@ TEST(AlarmMonitor, OnlyGoodQualityCounts) {
     monitor.on_samples(bad, at(i), changes);
     EXPECT_TRUE(changes.empty()) << to_text(static_cast<Quality>(i));
   }
+}
+
+TEST(AlarmMonitor, AnAlarmOfBeforeContinuesAtItsLimit) {
+  AlarmMonitor monitor(plant());
+  std::vector<AlarmChange> changes;
+  monitor.restore({1, LimitKind::kHigh, AlarmState::kActive, 93, at(-500)}, changes);
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].channel, 1u);
+  EXPECT_EQ(changes[0].limit, LimitKind::kHigh);
+  EXPECT_EQ(changes[0].state, AlarmState::kActive);
+  EXPECT_EQ(changes[0].value, 93);
+  EXPECT_EQ(changes[0].since, at(-500));
+  changes.clear();
+  const Sample inside[] = {sample(1, 50.0)};
+  monitor.on_samples(inside, at(1), changes);
+  ASSERT_EQ(changes.size(), 1u) << "the other limits were clear";
+  EXPECT_EQ(changes[0].limit, LimitKind::kHigh);
+  EXPECT_EQ(changes[0].state, AlarmState::kClear);
+}
+
+TEST(AlarmMonitor, AnAlarmOfALimitThatIsNotConfiguredDoesNotContinue) {
+  AlarmMonitor monitor(plant());
+  std::vector<AlarmChange> changes;
+  monitor.restore({0, LimitKind::kHigh, AlarmState::kActive, 93, at(-500)}, changes);
+  monitor.restore({1, LimitKind::kLowLow, AlarmState::kActive, 1, at(-500)}, changes);
+  EXPECT_TRUE(changes.empty());
 }
 
 TEST(AlarmMonitor, DelaysEndWithTime) {
