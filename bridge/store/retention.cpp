@@ -14,6 +14,9 @@ namespace {
 // A store that is too large loses the oldest twentieth of its time span, repeatedly.
 constexpr std::int64_t kShare = 20;
 
+// 2026-01-01. An earlier clock was never set.
+constexpr UtcTime kPlausible{1'767'225'600'000'000'000};
+
 std::int64_t pragma(SqlConnection& connection, const char* name) {
   std::int64_t number = 0;
   connection.query(std::string("pragma ") + name, {}, [&](const SqlRow& row) {
@@ -92,7 +95,7 @@ bool Retention::step(SqlConnection& connection, Instant now, UtcTime utc) {
     if (shrinking_ && (shrinking_ = shrink(connection))) return true;
     if (now < next_pass_ && !too_large_) return false;
     next_pass_ = now + kPause;
-    begin(connection, utc);
+    begin(connection, follow(connection, now, utc));
   }
   std::uint64_t removed = 0;
   std::size_t looked = 0;
@@ -123,6 +126,25 @@ std::uint64_t Retention::remove(SqlConnection& connection) {
   return level_ == 0 ? SampleTable(connection).remove_before(channel, before_[0], kAtOnce)
                      : TierTable(connection)
                            .remove_before(kTiers[level_ - 1], channel, before_[level_], kAtOnce);
+}
+
+UtcTime Retention::follow(SqlConnection& connection, Instant now, UtcTime utc) {
+  if (!followed_) {
+    connection.query("select at from retention_clock", {}, [&](const SqlRow& row) {
+      clock_ = stored_clock_ = {integer_at(row, 0)};
+      return false;
+    });
+  }
+  const Duration ran = kFastest * (followed_ ? now - *followed_ : kPause);
+  followed_ = now;
+  const UtcTime reached{std::min(utc.nanoseconds, saturated_sum(clock_.nanoseconds, ran.count()))};
+  clock_ = clock_ < kPlausible ? utc : std::max(clock_, reached);
+  if (saturated_difference(clock_.nanoseconds, stored_clock_.nanoseconds) >= kClockStep.count()) {
+    connection.execute("update retention_clock set at = $1 where at < $1",
+                       SqlRow{clock_.nanoseconds});
+    stored_clock_ = clock_;
+  }
+  return std::min(clock_, utc);
 }
 
 void Retention::begin(SqlConnection& connection, UtcTime utc) {

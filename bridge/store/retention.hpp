@@ -1,6 +1,10 @@
 // Removes samples and tier rows that are older than configured, or the oldest part of each level if
 // the store is too large. Small steps between batches. Samples stay until their tiers are written.
 // SQLite files shrink; PostgreSQL drops whole days. One owner, on the writer's thread.
+//
+// A system clock that is far ahead must not make everything old. Ages therefore refer to a clock
+// that follows the system clock, at most kFastest times as fast as time passes while the program
+// runs. The database keeps it.
 #pragma once
 
 #include <array>
@@ -20,6 +24,9 @@ class Retention {
   // Limits of one step.
   static constexpr std::uint64_t kAtOnce = 5000;  // rows, and at most the same number again
   static constexpr std::size_t kChannelsAtOnce = 100;
+  static constexpr int kFastest = 24;
+  // The database gets the clock after each hour of it.
+  static constexpr Duration kClockStep = std::chrono::hours{1};
 
   explicit Retention(const StoreSpec& spec) : spec_(spec) {}
 
@@ -31,6 +38,8 @@ class Retention {
   static constexpr std::size_t kLevels = 1 + kTiers.size();
 
   void begin(SqlConnection& connection, UtcTime utc);
+  // Returns the time to which ages refer.
+  [[nodiscard]] UtcTime follow(SqlConnection& connection, Instant now, UtcTime utc);
   void begin_days(SqlConnection& connection);
   [[nodiscard]] UtcTime limit_of(SqlConnection& connection, std::size_t level, UtcTime utc) const;
   [[nodiscard]] bool find_next();
@@ -38,6 +47,8 @@ class Retention {
 
   const StoreSpec spec_;
   Instant next_pass_ = kLongAgo;
+  std::optional<Instant> followed_;  // last call of follow()
+  UtcTime clock_, stored_clock_;
   // State of the present pass.
   std::vector<std::int64_t> channels_;
   std::size_t level_ = kLevels;            // the present level; kLevels: none

@@ -223,6 +223,11 @@ create table late_ranges (
   samples bigint not null, received_at bigint not null,
   primary key (bus, device, start)) {clustered};
 )",
+    // The time by which samples are old (retention.hpp); 0: none yet.
+    R"(
+create table retention_clock (at bigint not null);
+insert into retention_clock values (0);
+)",
 };
 
 // Text that differs between the two databases, or that several steps repeat.

@@ -291,6 +291,39 @@ void removes_what_is_too_old(const StoreAddress& address) {
   EXPECT_TRUE(retention.step(*connection, instant(60), utc(200)));
 }
 
+// Regression: a clock that was in the year 2097 for a moment removed all samples.
+void keeps_what_is_old_by_a_wrong_clock_only(const StoreAddress& address) {
+  constexpr std::int64_t kHour = 3600, kToday = 100'000'000, kWrong = kToday + 70 * 8766 * kHour;
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("wrong", {"a"}));
+    for (int hour = 0; hour < 48; ++hour) {
+      const Sample one[] = {sample(0, 1.0, hour, 1)};
+      intake->put(one, kClock, utc(kToday - kHour * hour));
+    }
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const auto connection = open_store(address, IfMissing::kFail);
+  connection->script("update retention_clock set at = 0");  // the clock of this machine
+  TierWriter tiers;
+  while (tiers.step(*connection, utc(kToday + kHour))) {}
+  StoreSpec spec;
+  spec.keep = seconds{47 * kHour + kHour / 2};
+  const auto left_after = [&](Retention& retention, std::int64_t second, std::int64_t at) {
+    while (retention.step(*connection, instant(second), utc(at))) {}
+    return history(address, "wrong").size();
+  };
+  for (const std::int64_t started_at : {kToday, kWrong}) {
+    Retention retention(spec);
+    EXPECT_EQ(left_after(retention, 0, started_at), 48u);
+    EXPECT_EQ(left_after(retention, 30, kWrong), 48u);
+  }
+  Retention retention(spec);
+  EXPECT_EQ(left_after(retention, 0, kToday), 48u);
+  EXPECT_EQ(left_after(retention, kHour, kWrong), 24u) << "it follows by 24 hours in an hour";
+  EXPECT_EQ(left_after(retention, 2 * kHour, kToday + 2 * kHour), 24u);
+}
+
 void all_of_it(const StoreAddress& address) {
   (void)open_store(address, IfMissing::kCreate);
   const std::pair<const char*, void (*)(const StoreAddress&)> all[] = {
@@ -307,7 +340,8 @@ void all_of_it(const StoreAddress& address) {
       {"not a number", goes_on_after_an_alarm_without_a_number},
       {"extremes", goes_on_after_every_extreme},
       {"users", knows_its_users},
-      {"retention", removes_what_is_too_old}};
+      {"retention", removes_what_is_too_old},
+      {"wrong-clock", keeps_what_is_old_by_a_wrong_clock_only}};
   for (const auto& [name, check] : all) {
     SCOPED_TRACE(name);
     check(address);

@@ -8,6 +8,7 @@ namespace fieldcast::test {
 
 // Reverts the changes of the later versions. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
+  if (version < 14) connection.script("drop table retention_clock");
   if (version < 13) connection.script("drop table late_ranges");
   if (version < 12)
     connection.script(
