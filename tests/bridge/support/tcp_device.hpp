@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <map>
@@ -63,6 +64,9 @@ class TcpDevice {
     }
     return count;
   }
+  // Closes the connection of a request for a unit whose bit is not set, and of one that does not
+  // read holding registers.
+  void close_unless_reads_of(std::uint64_t units) { units_ = units; }
   // Each connection carries one exchange.
   void close_after_answers() { closes_ = true; }
   void answer_writes_after(std::chrono::milliseconds time) { write_delay_ = time; }
@@ -99,9 +103,11 @@ class TcpDevice {
     if (size <= 0) return false;
     from.bytes.append(buffer, static_cast<std::size_t>(size));
     // MBAP: transaction 2, protocol 2, length 2, unit 1, then the function.
-    while (from.bytes.size() >= 12) {
+    while (from.bytes.size() >= 8) {
+      const bool serves = units_ >> (from.bytes[6] & 63) & 1 && from.bytes[7] == 3;
+      if (units_ != 0 && !serves) return false;
       const std::size_t whole = 6U + word(from.bytes, 4);
-      if (from.bytes.size() < whole) break;
+      if (from.bytes.size() < std::max<std::size_t>(whole, 12)) break;
       answer(from, from.bytes.substr(0, whole));
       from.bytes.erase(0, whole);
       if (closes_) return false;
@@ -148,6 +154,7 @@ class TcpDevice {
   std::mutex mutex_;
   std::vector<Request> requests_;
   std::atomic<std::chrono::milliseconds> write_delay_{std::chrono::milliseconds{0}};
+  std::atomic<std::uint64_t> units_ = 0;  // 0: all
   std::atomic<bool> closes_ = false;
   std::atomic<bool> ending_ = false;
   std::thread thread_;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "config/loader/loader.hpp"
+#include "tests/bridge/support/tcp_device.hpp"
 #include "tests/tools/cli/direct_fixture.hpp"
 
 namespace fieldcast::cli {
@@ -147,6 +148,20 @@ TEST_F(EchoTest, AReadSaysThatWhatWasSentComesBack) {
   const auto ended = read({.line = line(), .addresses = {"holding:5"}});
   EXPECT_EQ(ended.code, ExitCode::kFailed);
   EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
+}
+
+// Regression: the scan ended at the first unit for which the gateway closed the connection.
+TEST_F(DirectTest, ScanGoesOnWhenAGatewayClosesTheConnection) {
+  test::TcpDevice gateway;
+  gateway.close_unless_reads_of(1u << 3 | 1u << 5);  // nor does it identify a unit
+  const auto ended = scan({.port = "127.0.0.1:" + std::to_string(gateway.port()),
+                           .addresses = "1-6",
+                           .timeout = std::chrono::seconds{2},
+                           .json = true});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr(R"("address":3)"));
+  EXPECT_THAT(ended.out, HasSubstr(R"("address":5)"));
+  EXPECT_THAT(ended.out, Not(HasSubstr(R"("address":4)")));
 }
 
 TEST_F(DirectTest, ScanSaysThatNobodyResponds) {

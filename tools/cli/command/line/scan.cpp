@@ -187,10 +187,7 @@ class Scan {
     const Duration timeout = ask.wait.value_or(options_.timeout.value_or(kUsualTimeout));
     auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, context()), ask.address,
                       "reads " + asked.at, timeout);
-    if (!heard && !serial_ && scanner_.lines().size() > 1) {
-      line_.reset();  // the controller closed the connection, as it has no such link
-      return ScanResponse{.cause = Cause::kPortClosed};
-    }
+    if (!heard && !serial_) return ScanResponse{.cause = Cause::kPortClosed};
     if (!heard) return tl::unexpected(std::move(heard.error()));
     ScanResponse response{.cause = heard->cause,
                           .device_code = heard->device_code,
@@ -220,6 +217,8 @@ class Scan {
         std::move(exchange), timeout,
         {protocol_index(scanner_.lines(), *line_), fmt::format("address {}: {}", address, what)});
     if (capture_ != nullptr) capture_->write();
+    // Closed, for example because the gateway has no such unit, or the controller no such link.
+    if (!heard && !serial_) line_.reset();
     return heard;
   }
 
