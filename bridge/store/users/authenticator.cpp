@@ -56,11 +56,10 @@ void Authenticator::authenticate(LoginAttempt attempt, std::function<void(LoginR
   const LoginAttempt& given = waiting.attempt;
   // Cannot be a user of the store: refused without a check and not counted.
   if (!fault_of_user_name(given.user).empty() || given.password.size() > kMaxPasswordBytes)
-    return finish(std::move(waiting), refused(LoginRefused::Why::kWrong));
+    return refuse(std::move(waiting), LoginRefused::Why::kWrong);
   if (const Duration wait = throttled(given); wait > Duration{})
-    return finish(std::move(waiting), refused(LoginRefused::Why::kTooSoon, wait));
-  if (!worker_.queue().try_put(waiting))
-    finish(std::move(waiting), refused(LoginRefused::Why::kBusy));
+    return refuse(std::move(waiting), LoginRefused::Why::kTooSoon, wait);
+  if (!worker_.queue().try_put(waiting)) refuse(std::move(waiting), LoginRefused::Why::kBusy);
 }
 
 void Authenticator::run(BoundedQueue<Waiting>& queue) {
@@ -74,9 +73,9 @@ void Authenticator::handle(Waiting next, BoundedQueue<Waiting>& queue) {
   if (queue.closed()) return finish(std::move(next), refused(LoginRefused::Why::kUnavailable));
   const LoginAttempt& attempt = next.attempt;
   // Attempts that were sent together wait here; those after the third wrong one are too soon.
-  const Duration wait = throttled(attempt);
-  const LoginResult result =
-      wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait) : verdict(attempt);
+  if (const Duration wait = throttled(attempt); wait > Duration{})
+    return refuse(std::move(next), LoginRefused::Why::kTooSoon, wait);
+  const LoginResult result = verdict(attempt);
   count(attempt, result);
   finish(std::move(next), result);
   // If the store does not respond, its timeout is waited for once, not for each attempt.
@@ -95,6 +94,17 @@ void Authenticator::count(const LoginAttempt& attempt, const LoginResult& result
   if (result) throttle_.succeeded(attempt.user, attempt.peer);
   if (!result && result.error().why == LoginRefused::Why::kWrong)
     throttle_.failed(attempt.user, attempt.peer, steady_now());
+  (void)unchecked_.recovered(attempt.peer);
+}
+
+void Authenticator::refuse(Waiting waiting, LoginRefused::Why why, Duration wait) {
+  bool is_first = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_first = unchecked_.occurred(waiting.attempt.peer, steady_now()).log;
+  }
+  const LoginResult result = refused(why, wait);
+  is_first ? finish(std::move(waiting), result) : waiting.done(result);
 }
 
 void Authenticator::refuse_all(BoundedQueue<Waiting>& queue) {

@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "bridge/base/worker.hpp"
+#include "bridge/log/log_lines.hpp"
 #include "bridge/process/secret.hpp"
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/sql/sql.hpp"
@@ -52,7 +53,8 @@ class Logins {
 
   virtual ~Logins() = default;
   // Any thread; never blocks. `done` is called exactly once within 30 s: immediately, or on a
-  // thread of the logins, where it must only post. Every attempt is audited.
+  // thread of the logins, where it must only post. Every attempt is audited; of attempts from one
+  // peer that are refused without a check, the first since the last check or since 10 min.
   virtual void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) = 0;
 };
 
@@ -76,6 +78,8 @@ class Authenticator final : public Logins {
   void handle(Waiting next, BoundedQueue<Waiting>& queue);
   [[nodiscard]] Duration throttled(const LoginAttempt& attempt);
   void count(const LoginAttempt& attempt, const LoginResult& result);
+  // An attempt that was refused without a check: it cost its sender nothing.
+  void refuse(Waiting waiting, LoginRefused::Why why, Duration wait = {});
   [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
   void refuse_all(BoundedQueue<Waiting>& queue);
   void finish(Waiting waiting, const LoginResult& result);
@@ -83,8 +87,9 @@ class Authenticator final : public Logins {
   const StoreAddress address_;
   Audit& audit_;
   std::unique_ptr<SqlConnection> connection_;  // used by the thread; null: not open
-  std::mutex mutex_;                           // guards throttle_
+  std::mutex mutex_;                           // guards the two below
   LoginThrottle throttle_;
+  RepeatFilter unchecked_;  // by peer
   Worker<Waiting> worker_;  // last: it uses the members above
 };
 

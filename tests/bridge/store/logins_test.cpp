@@ -117,6 +117,22 @@ TEST_F(Users, WrongPasswordsAndUnknownUsersGetTheSameResponseSlowedDownAndAudite
   EXPECT_THAT(entries[5].result, HasSubstr("try again in 1s"));
 }
 
+// Regression: attempts that cost their sender nothing displaced all other entries.
+TEST_F(Users, OfAttemptsWithoutACheckTheFirstIsAudited) {
+  Authenticator authenticator(address_, audit_);
+  for (int i = 0; i < 3; ++i) (void)ask(authenticator, "two words", "x");
+  EXPECT_EQ(audit_.entries().size(), 1u);
+  for (const std::string user : {"ann", "eve"}) {
+    const std::size_t before = audit_.entries().size();
+    for (unsigned i = 0; i < LoginThrottle::kFreeOfUser; ++i)
+      EXPECT_EQ(ask(authenticator, user, "wrong").error().why, LoginRefused::Why::kWrong);
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(ask(authenticator, user, "wrong").error().why, LoginRefused::Why::kTooSoon);
+    EXPECT_EQ(audit_.entries().size() - before, LoginThrottle::kFreeOfUser + 1) << user;
+    EXPECT_THAT(audit_.entries().back().result, HasSubstr("try again in 1s"));
+  }
+}
+
 TEST_F(Users, GuessesThatAreSentTogetherAreSlowedDownToo) {
   Authenticator authenticator(address_, audit_);
   std::vector<std::future<LoginResult>> answers;

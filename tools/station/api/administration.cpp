@@ -110,8 +110,12 @@ void Tokens::check(std::string token, const std::string& peer,
     wipe(token);
     const auto verdict = wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait)
                                            : refused(LoginRefused::Why::kWrong);
-    if (wait <= Duration{}) shared_->throttle.failed(kWhat, peer, now_());
-    note(audit_, {}, peer, verdict);
+    if (wait <= Duration{}) {
+      shared_->throttle.failed(kWhat, peer, now_());
+      (void)shared_->throttled.recovered(peer);
+    }
+    if (wait <= Duration{} || shared_->throttled.occurred(peer, now_()).log)
+      note(audit_, {}, peer, verdict);
     return done(verdict);
   }
   using Found = std::optional<Token>;
@@ -138,6 +142,7 @@ void Tokens::check(std::string token, const std::string& peer,
         } else {
           shared->throttle.failed(kWhat, peer, now());
         }
+        (void)shared->throttled.recovered(peer);
         note(audit, name, peer, verdict);
         done(verdict);
       });

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/log/log_lines.hpp"
 #include "bridge/store/records/records.hpp"
 #include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
@@ -31,7 +32,8 @@ struct Metric {
 [[nodiscard]] std::vector<Metric> metrics_of(const Notifier* notifier);
 
 // Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
-// never the token. A peer that sends wrong tokens must wait.
+// never the token. A peer that sends wrong tokens must wait; the audit has the first attempt of each
+// wait.
 class Tokens {
  public:
   // `database` and `audit` must outlive this object.
@@ -50,6 +52,7 @@ class Tokens {
  private:
   struct Shared {
     LoginThrottle throttle;
+    RepeatFilter throttled;  // by peer
   };
   Database& database_;
   Audit& audit_;

@@ -75,6 +75,17 @@ TEST_F(TokensTest, EveryAttemptIsAuditedWithoutTheToken) {
   }
 }
 
+// Regression: each attempt of a peer that had to wait was audited.
+TEST_F(TokensTest, TheFirstAttemptOfEachWaitIsAudited) {
+  for (unsigned i = 0; i < LoginThrottle::kFreeOfUser; ++i) (void)check(make_token());
+  for (unsigned wait = 1; wait <= 2; ++wait) {
+    for (int i = 0; i < 9; ++i) EXPECT_EQ(why(secret_), LoginRefused::Why::kTooSoon);
+    EXPECT_EQ(audit_.entries().size(), LoginThrottle::kFreeOfUser + 2 * wait - 1) << wait;
+    steady_ += 10s;
+    EXPECT_EQ(why("nonsense"), LoginRefused::Why::kWrong);
+  }
+}
+
 TEST_F(TokensTest, NamesAreThoseThatHaveNotEnded) {
   std::optional<std::optional<std::vector<std::string>>> names;
   tokens_.names([&](auto given) { names = std::move(given); });
