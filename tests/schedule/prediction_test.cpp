@@ -197,8 +197,7 @@ TEST(LoadCheck, ALongReadThatDelaysAShortRefreshIsReportedAtAnyLoad) {
 // The plan rounds the refreshes down to multiples of the shortest.
 TEST(LoadCheck, RefreshesThatFitByTheirLoadAndNotByThePlanAreReported) {
   BusSpec bus = bus_of(4, 100ms, 9600);
-  for (const auto& [channel, refresh] : {std::pair{1, 250ms}, {3, 250ms}})
-    bus.devices[0].channels[static_cast<std::size_t>(channel)].refresh = refresh;
+  for (const std::size_t slower : {1u, 3u}) bus.devices[0].channels[slower].refresh = 250ms;
   const auto overload = overload_of(bus, 5ms);
   ASSERT_TRUE(overload);
   EXPECT_LE(overload->load, 1);
