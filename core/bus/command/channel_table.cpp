@@ -73,25 +73,11 @@ ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec) : codec_(codec)
         entry.freshness =
             Freshness(channel.refresh + spare, gap_of(channel, channel.refresh) + spare);
       entries_.push_back(std::move(entry));
-      by_name_.push_back(index);
     }
-    std::sort(
-        by_name_.begin() + first_.back(), by_name_.end(),
-        [this](ChannelIndex a, ChannelIndex b) { return this->spec(a).name < this->spec(b).name; });
     ++device;
   }
   first_.push_back(static_cast<ChannelIndex>(entries_.size()));
   entries_.shrink_to_fit();
-}
-
-std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_view name) const {
-  const auto end = by_name_.begin() + end_of(device);
-  const auto found = std::lower_bound(by_name_.begin() + first_of(device), end, name,
-                                      [this](ChannelIndex channel, std::string_view wanted) {
-                                        return spec(channel).name < wanted;
-                                      });
-  if (found == end || spec(*found).name != name) return std::nullopt;
-  return *found;
 }
 
 void ChannelTable::inherit(const Sample& sample) {

@@ -7,7 +7,6 @@
 #include <optional>
 #include <queue>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "core/bus/command/freshness.hpp"
@@ -30,7 +29,6 @@ class ChannelTable {
   [[nodiscard]] DeviceIndex device(ChannelIndex channel) const { return entries_[channel].device; }
   [[nodiscard]] ChannelIndex first_of(DeviceIndex device) const { return first_[device]; }
   [[nodiscard]] ChannelIndex end_of(DeviceIndex device) const { return first_[device + 1u]; }
-  [[nodiscard]] std::optional<ChannelIndex> find(DeviceIndex device, std::string_view name) const;
 
   // Restores a sample of another bridge; only its sequence if the type differs.
   void inherit(const Sample& sample);
@@ -111,7 +109,6 @@ class ChannelTable {
   TextCodec& codec_;
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;
-  std::vector<ChannelIndex> by_name_;  // of each device, in the order of their names
   // Lazy: an old entry is queued again when it expires; one that differs from `queued` is ignored.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
