@@ -154,8 +154,7 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
   const auto channel = job.written_channel();
   if (!channel) return std::nullopt;
   const Duration interval = channels_.spec(*channel).write_interval;
-  const Instant last = last_write_[*channel];
-  if (interval > Duration::zero() && last != kLongAgo && now < last + interval)
+  if (now < last_write_[*channel] + interval)
     return CommandFault{Cause::kRateLimited,
                         "written less than " + to_text(interval) + " ago (write: interval)"};
   return std::nullopt;

@@ -208,9 +208,8 @@ std::size_t LateResponseFilter::find(ByteView bytes, const Asked* under_way, Ins
 }
 
 std::size_t LateResponseFilter::end_of_response(const Asked& asked, ByteView bytes) const {
-  Bytes out;
   for (std::size_t end = 1; end < bytes.size(); ++end) {
-    out.clear();
+    Bytes out;
     if (is_response(begin(setup_, asked)->on_bytes(bytes.first(end), out))) return end;
   }
   return bytes.size();

@@ -19,7 +19,7 @@ Wire::Wire(const BusSetup& setup, Bytes& session)
       driver_(setup.line(), setup.spec().gap_allowance, echo_of(setup.spec())),
       session_(session) {
   const auto* rule = std::get_if<LearnedSilence>(&setup.spec().silence);
-  if (rule != nullptr && setup.silence() > Duration::zero())
+  if (rule != nullptr)
     learning_.emplace(setup.silence(), least_silence(*rule, setup.line()), setup.devices());
 }
 
