@@ -92,6 +92,29 @@ TEST(AdHoc, ADeviceThatIsNotConfiguredIsReadAndThePlanKeepsEveryRefresh) {
   }
 }
 
+TEST(AdHoc, OnlySingleChannelsAreRead) {
+  Newcomer plant("refresh: 1s");
+  plant.remove();
+  const auto cause = [&](Operation operation,
+                         const std::variant<ChannelTarget, AddressTarget>& at) {
+    Command command;
+    command.requester = "test";
+    command.device = plant.device.name;
+    command.operation = operation;
+    command.target = at;
+    if (operation == Operation::kWrite) command.values = {std::uint64_t{1}};
+    command.ad_hoc = std::make_shared<const DeviceSpec>(plant.device);
+    command.expires = plant.bus.now() + 60s;
+    plant.bus.command(command);
+    plant.bus.run_until(plant.bus.now() + 10s);
+    return plant.bus.results().at(plant.bus.commands_sent()).front().cause;
+  };
+  EXPECT_EQ(cause(Operation::kAcquire, ChannelTarget{"r0"}), Cause::kNone);
+  EXPECT_EQ(cause(Operation::kAcquire, ChannelTarget{}), Cause::kUnsupported) << "all of them";
+  EXPECT_EQ(cause(Operation::kAcquire, AddressTarget{"holding:100", {}}), Cause::kUnsupported);
+  EXPECT_EQ(cause(Operation::kWrite, ChannelTarget{"r0"}), Cause::kUnsupported);
+}
+
 TEST(AdHoc, ASearchOfSilentAddressesCostsNoRefresh) {
   Newcomer plant("refresh: 1s");
   plant.remove();

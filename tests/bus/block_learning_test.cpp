@@ -54,6 +54,23 @@ TEST(BlockLearning, WhatWasLearnedIsForgotten) {
   EXPECT_FALSE(learning.forget()) << "nothing was known any more";
 }
 
+TEST(BlockLearning, AfterForgettingALengthIsLearnedAgain) {
+  BlockLearning learning;
+  const auto halve = [&](Instant now) {
+    learning.refused(items(0, 2), {items(0, 1), items(1, 2)});
+    EXPECT_FALSE(learning.expire(now));
+    EXPECT_FALSE(learning.read(items(0, 1), now));
+    EXPECT_FALSE(learning.expire(now));
+    return learning.read(items(1, 2), now);
+  };
+  EXPECT_TRUE(halve(kNow));
+  EXPECT_EQ(learning.longest(), 1u);
+  EXPECT_TRUE(learning.expire(kNow + BlockLearning::kRemember));
+  EXPECT_EQ(learning.longest(), 0u);
+  EXPECT_TRUE(halve(kNow + 2 * BlockLearning::kRemember));
+  EXPECT_EQ(learning.longest(), 1u);
+}
+
 TEST(BlockLearning, ABlockThatIsAcceptedAfterAllTeachesNothing) {
   BlockLearning learning;
   learning.refused(items(0, 10), {items(0, 5), items(5, 10)});
@@ -172,6 +189,56 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsResponsesIsGivenARest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
+struct PauseTries : testing::Test {
+  void tried(int times, Duration rest, bool responded) {
+    for (int i = 0; i < times; ++i) learning.tried(rest, responded);
+  }
+  PauseLearning learning;
+};
+
+TEST_F(PauseTries, TwelveOfEachKindAreEnough) {
+  tried(11, 1ms, false);
+  tried(20, 5s, true);
+  EXPECT_EQ(learning.pause(), 0ms);
+  tried(1, 1ms, false);
+  EXPECT_EQ(learning.pause(), 2ms);
+}
+
+TEST_F(PauseTries, TheResponsesAfterAllLongerRestsCountTogether) {
+  tried(12, 1ms, false);
+  tried(5, 200ms, true);
+  tried(6, 400ms, true);
+  EXPECT_EQ(learning.pause(), 0ms);
+  tried(1, 5s, true);
+  EXPECT_EQ(learning.pause(), 2ms);
+}
+
+TEST_F(PauseTries, LongerRestsMustSucceedNineteenTimesOfTwenty) {
+  tried(12, 1ms, false);
+  tried(1, 200ms, false);
+  tried(3, 200ms, true);
+  tried(15, 400ms, true);
+  EXPECT_EQ(learning.pause(), 0ms) << "1 failure of 19";
+  tried(2, 400ms, true);
+  EXPECT_EQ(learning.pause(), 2ms) << "1 failure of 21";
+}
+
+TEST_F(PauseTries, HalfOfTheShortRestsMustFail) {
+  tried(7, 1ms, true);
+  tried(6, 1ms, false);
+  tried(12, 5s, true);
+  EXPECT_EQ(learning.pause(), 0ms) << "6 failures of 13";
+  tried(2, 1ms, false);
+  EXPECT_EQ(learning.pause(), 2ms) << "8 failures of 15";
+}
+
+TEST_F(PauseTries, FailuresOfLongAgoDoNotCount) {
+  tried(12, 1ms, false);
+  tried(100, 1ms, true);
+  tried(12, 5s, true);
+  EXPECT_EQ(learning.pause(), 0ms);
+}
+
 TEST(PauseLearning, LongerRestsAreFoundAsWell) {
   for (const Duration deaf : {Duration{30ms}, Duration{65ms}, Duration{180ms}, Duration{800ms}}) {
     PauseLearning learning;
@@ -245,7 +312,9 @@ TEST(PauseLearning, APauseThatIsNeededIsPutOnTrialEverMoreRarely) {
 TEST(PauseLearning, AfterARequestThatFailedTheWholePauseIsKeptForAWhile) {
   PauseLearning learning;
   learn_a_second(learning);
-  for (unsigned i = 0; i < PauseLearning::kFirstTrial; ++i) learning.tried(1s, true);
+  for (unsigned i = 1; i < PauseLearning::kFirstTrial; ++i) learning.tried(1s, true);
+  EXPECT_EQ(learning.next_pause(), 1s);
+  learning.tried(1s, true);
   ASSERT_EQ(learning.next_pause(), 700ms);
   learning.tried(700ms, false);
   for (int i = 0; i < 8; ++i) {

@@ -90,7 +90,7 @@ TEST_F(CommandJobTest, SilenceAfterAWriteWithoutResponseLeavesItOpen) {
   job->failed(Cause::kNoResponse, 0);
   job->failed(Cause::kNoResponse, 0);
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
-  EXPECT_NE(result(*job).reason.find("unknown whether"), std::string::npos);
+  EXPECT_EQ(result(*job).reason, "no response; unknown whether the write took effect");
 }
 
 TEST_F(CommandJobTest, RefusedWriteIsNotRepeated) {
@@ -99,6 +99,7 @@ TEST_F(CommandJobTest, RefusedWriteIsNotRepeated) {
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).cause, Cause::kDeviceError);
   EXPECT_EQ(result(*job).device_code, 4);
+  EXPECT_EQ(result(*job).reason, "refused by the device (04 server device failure)");
 }
 
 TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBack) {
@@ -153,6 +154,23 @@ TEST_F(CommandJobTest, BitOfAWordKeepsTheOtherBits) {
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0xA0, 0x59}));
   job->responded({{}}, {});
   EXPECT_EQ(result(*job).state, CommandState::kDone);
+}
+
+TEST_F(CommandJobTest, AVerifiedBitIsComparedAlone) {
+  Encoding high{ValueType::kBool};
+  high.bit = 11;
+  add("fan", {2, 103, 1}, high, Access::kReadWrite);
+  const auto state = [&](const std::string& channel, const Bytes& read_back) {
+    auto job = make(write(channel, true, true));
+    job->responded(items({0xA0, 0x51}), {});
+    job->responded({{}}, {});
+    job->responded(items(read_back), {});
+    return result(*job).state;
+  };
+  EXPECT_EQ(state("lamp", {0x00, 0x08}), CommandState::kVerified);
+  EXPECT_EQ(state("lamp", {0xA8, 0x51}), CommandState::kFailed);
+  EXPECT_EQ(state("fan", {0x08, 0x00}), CommandState::kVerified);
+  EXPECT_EQ(state("fan", {0xA0, 0x59}), CommandState::kFailed);
 }
 
 TEST_F(CommandJobTest, BitOfAWordIsOneRequestWhereTheDeviceMasks) {

@@ -256,6 +256,20 @@ TEST_F(CommandQueueTest, TheBytesOfARequesterAreLimited) {
   EXPECT_TRUE(results().empty()) << "the room is free again";
 }
 
+TEST_F(CommandQueueTest, EachValueOfACommandCounts) {
+  BusSpec spec = bus();
+  spec.devices[0].allow_raw_write = true;
+  const BusSetup setup(spec);
+  CommandQueue queue(setup, channels_, plain_text_codec());
+  Command command = write("", 0);
+  command.target = AddressTarget{"holding:100", {.type = ValueType::kUint16}};
+  command.values.assign(120, Value{std::uint64_t{1}});
+  std::size_t accepted = 0;
+  for (; accepted < CommandQueue::kMaxWaiting && results().empty(); ++accepted)
+    queue.accept(command, {}, {}, sink_);
+  EXPECT_LE(accepted, CommandQueue::kMaxBytesOfRequester / (120 * sizeof(Value)) + 1);
+}
+
 TEST_F(CommandQueueTest, TheBytesOfAllRequestersAreLimitedAndTheLargestGivesWay) {
   const std::string a(20000, 'a'), b(20000, 'b'), c(20000, 'c');
   for (const std::string& name : {a, b}) {

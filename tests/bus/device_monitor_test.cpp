@@ -129,6 +129,83 @@ TEST_F(DeviceMonitorTest, ABusyDeviceIsLeftAlone) {
   EXPECT_FALSE(monitor_.suspension(0, Instant{3s}));
 }
 
+TEST_F(DeviceMonitorTest, ADeviceStaysBusyAfterTwoSuchResponsesInARow) {
+  tried(0, Cause::kDeviceBusy, Instant{1s});
+  EXPECT_FALSE(monitor_.stays_busy(0));
+  tried(0, Cause::kNone, Instant{1s});
+  tried(0, Cause::kDeviceBusy, Instant{1s});
+  EXPECT_FALSE(monitor_.stays_busy(0)) << "the device has responded between them";
+  tried(0, Cause::kDeviceBusy, Instant{1s});
+  EXPECT_TRUE(monitor_.stays_busy(0));
+  tried(0, Cause::kNoResponse, Instant{1s});
+  EXPECT_TRUE(monitor_.stays_busy(0));
+  tried(0, Cause::kDeviceError, Instant{1s});
+  EXPECT_FALSE(monitor_.stays_busy(0));
+}
+
+TEST_F(DeviceMonitorTest, OnlySilenceAfterAShortRestLengthensThePause) {
+  const auto pause_after = [&](unsigned in_flight, Cause cause) {
+    BusSpec bus = test::rtu_bus(2);
+    bus.in_flight = in_flight;
+    const BusSetup setup(bus);
+    DeviceMonitor monitor(setup, probed());
+    for (int i = 0; i < 12; ++i) {
+      monitor.tried({.device = 0, .rest = 5s}, Instant{1s}, sink_);
+      monitor.tried({.device = 0, .cause = cause, .rest = 1ms}, Instant{1s}, sink_);
+    }
+    EXPECT_EQ(monitor.paused_until(0), Instant{1s} + monitor.report(0).pause);
+    return monitor.report(0).pause;
+  };
+  EXPECT_EQ(pause_after(1, Cause::kNoResponse), 2ms);
+  EXPECT_EQ(pause_after(1, Cause::kChecksum), 0ms) << "the device has received the request";
+  EXPECT_EQ(pause_after(1, Cause::kNone), 0ms);
+  EXPECT_EQ(pause_after(2, Cause::kNoResponse), 0ms) << "a second request hides the rest";
+}
+
+TEST_F(DeviceMonitorTest, AnExchangeLastsAtMostForTheTimeoutIfTheDeviceMayNotRespond) {
+  const Duration wire = setup_.wire_time(0, kRead) + setup_.silence();
+  EXPECT_EQ(monitor_.longest_exchange(0, kRead), wire + 200ms) << "nothing is known of it";
+  for (int i = 0; i < 20; ++i) monitor_.learn(0, kRead, 5ms);
+  EXPECT_EQ(monitor_.longest_exchange(0, kRead), wire + 5ms);
+  monitor_.gateway_read_ended(0, Cause::kNoResponse, Instant{1s});
+  EXPECT_EQ(monitor_.longest_exchange(0, kRead), wire + 200ms);
+  monitor_.gateway_read_ended(0, Cause::kNone, Instant{1s});
+  EXPECT_EQ(monitor_.longest_exchange(0, kRead), wire + 5ms);
+  for (int i = 0; i < 3; ++i) tried(0, Cause::kChecksum, Instant{1s});
+  EXPECT_EQ(monitor_.longest_exchange(0, kRead), wire + 200ms) << "it is sick";
+}
+
+TEST_F(DeviceMonitorTest, AnExchangeWithADeviceThatIsNotConfiguredMayBreakAtTheLastMoment) {
+  DeviceSpec other = setup_.device(0);
+  other.link.address = 9;
+  other.pause = 30ms;
+  ASSERT_TRUE(setup_.set_ad_hoc(2, other));
+  monitor_.replaced(2);
+  for (int i = 0; i < 20; ++i) monitor_.learn(2, kRead, 5ms);
+  EXPECT_EQ(monitor_.longest_exchange(2, kRead), setup_.wire_time(2, kRead) + setup_.silence() +
+                                                     30ms + 200ms +
+                                                     2 * setup_.spec().gap_allowance);
+}
+
+TEST_F(DeviceMonitorTest, ResponseTimesThatAnotherBridgeHasLearnedAreKnown) {
+  DeviceReport learned;
+  learned.response_time = 5ms;
+  learned.areas = {{std::string(setup_.area(0, kHolding).name), 7ms, {}, 0, 0},
+                   {std::string(setup_.area(0, 0).name), 0ms, {}, 0, 0},
+                   {"none of this protocol", 9ms, {}, 0, 0}};
+  monitor_.inherit(0, learned);
+  monitor_.inherit(1, {});
+  const DeviceReport report = monitor_.report(0);
+  EXPECT_EQ(report.response_time, 5ms);
+  ASSERT_EQ(report.areas.size(), 1u);
+  EXPECT_EQ(report.areas[0].area, learned.areas[0].area);
+  EXPECT_EQ(report.areas[0].response_time, 7ms);
+  EXPECT_LT(monitor_.timeout(0, kRead, false), 200ms);
+  EXPECT_EQ(monitor_.longest_exchange(1, kRead),
+            setup_.wire_time(1, kRead) + setup_.silence() + 200ms)
+      << "the other bridge had no response of it";
+}
+
 TEST_F(DeviceMonitorTest, AnOfflineDeviceIsSuspendedPermanently) {
   take_offline(0, Instant{1s});
   EXPECT_EQ(monitor_.suspension(0, Instant{1s}), kNever);

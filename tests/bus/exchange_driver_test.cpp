@@ -207,6 +207,16 @@ TEST(ExchangeDriver, AResponseThatEqualsItsRequestTeachesNothing) {
   EXPECT_EQ(line.driver.echo(), Echo::kUnknown);
 }
 
+TEST(ExchangeDriver, AsManyBytesAsTheBufferHoldsAreReceived) {
+  Line line;
+  line.protocol = std::move(*find_protocol("mitsubishi-mc-serial")->make({0, {}}));
+  line.ask(Instant{}, ReadRequest{{{0, 100, 1}}});
+  const Bytes noise(ExchangeDriver::kMaxReceived, 0x55);
+  EXPECT_EQ(line.receive(noise, Instant{20ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive({0x55}, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kOverlong);
+}
+
 TEST(ExchangeDriver, EndlessBytesFailAsOverlong) {
   Line line;
   line.ask(Instant{});

@@ -107,6 +107,34 @@ TEST(Garbage, RandomBytesAndTextOfAnotherProtocol) {
   EXPECT_THAT(looks_like(Bytes(login.begin(), login.end()), k8N1, false), StartsWith("text"));
 }
 
+TEST(Garbage, TextHasNoControlCharactersExceptThoseOfFramesAndLines) {
+  const auto is_text = [](std::uint8_t byte) {
+    const Bytes bytes{'R', 'e', 'a', 'd', 'y', ' ', byte};
+    return looks_like(bytes, k8N1, false).starts_with("text:");
+  };
+  for (const std::uint8_t byte : Bytes{0x02, 0x06, '\n', '\r', ' ', '~'})
+    EXPECT_TRUE(is_text(byte)) << int{byte};
+  for (const std::uint8_t byte : Bytes{0x01, 0x07, 0x09, 0x0B, 0x1F, 0x7F})
+    EXPECT_FALSE(is_text(byte)) << int{byte};
+}
+
+TEST(Garbage, FewBytesShowNothing) {
+  EXPECT_THAT(looks_like(Bytes(5, 0x00), k8N1, false), StartsWith("no frame"));
+  EXPECT_THAT(looks_like(Bytes(6, 0x00), k8N1, false), StartsWith("nothing but zeros"));
+  EXPECT_THAT(looks_like(Bytes(5, 'a'), k8N1, false), StartsWith("no frame"));
+  EXPECT_THAT(looks_like(Bytes(6, 'a'), k8N1, false), StartsWith("text"));
+}
+
+TEST(Garbage, AQuarterOfZerosOnALineWithParityIsAnotherFormat) {
+  Bytes received = {0x00, 0x35, 0x9A, 0xC7};
+  EXPECT_THAT(looks_like(received, k8E1, false), StartsWith("no frame")) << "too few";
+  append(received, Bytes(received));
+  EXPECT_THAT(looks_like(received, k8E1, false), StartsWith("00 stands for"));
+  EXPECT_THAT(looks_like(received, k8N1, false), StartsWith("no frame"));
+  received.push_back(0x35);
+  EXPECT_THAT(looks_like(received, k8E1, false), StartsWith("no frame"));
+}
+
 TEST(Garbage, IsWorthSayingWhenItIsNotASingleNoise) {
   Garbage garbage;
   EXPECT_FALSE(garbage.received(Bytes{0x12, 0x34}, kRequest, 9));

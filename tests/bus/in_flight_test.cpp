@@ -386,6 +386,42 @@ TEST_F(OneInFlightBus, AResponseThatComesEarlierThanEverBeforeIsTheResponse) {
   EXPECT_GT(good_, before + 100);
 }
 
+TEST_F(OneInFlightBus, AFrameHasEndedWhenNoResponseIsAwaited) {
+  feed(Opened{});
+  run(20ms);
+  ASSERT_TRUE(engine_.exchanging());
+  EXPECT_FALSE(engine_.frame_ended());
+  feed(StopRequested{});
+  EXPECT_TRUE(engine_.frame_ended());
+}
+
+TEST_F(InFlightBus, AFrameHasEndedWithItsLastByte) {
+  feed(Opened{});
+  run(20ms);
+  ASSERT_FALSE(waiting_.empty());
+  EXPECT_TRUE(engine_.frame_ended());
+  const Bytes response = waiting_.front().second;
+  waiting_.erase(waiting_.begin());
+  feed(Received{ByteView(response).first(5)});
+  EXPECT_FALSE(engine_.frame_ended());
+  feed(Received{ByteView(response).subspan(5)});
+  EXPECT_TRUE(engine_.frame_ended());
+}
+
+struct TwoInFlightBus : InFlightBus {
+  TwoInFlightBus() : InFlightBus(2) {}
+};
+
+TEST_F(TwoInFlightBus, BytesAreDeliveredAsTheyArrive) {
+  feed(Opened{});
+  run(1s);
+  for (int i = 0; i < 50; ++i) {
+    run(500us);
+    EXPECT_TRUE(engine_.exchanging());
+    EXPECT_EQ(engine_.quiet_until(), kLongAgo);
+  }
+}
+
 TEST_F(InFlightBus, AStopLeavesNoExchange) {
   feed(Opened{});
   run(20ms);

@@ -247,10 +247,52 @@ TEST_F(ReadPathTest, AReadThatMustWaitIsHeldBackAndReleased) {
   EXPECT_TRUE(reads_.due(Instant{100ms}));
 }
 
+TEST_F(ReadPathTest, AHeldReadIsReleasedWhenItMayBeSent) {
+  const auto owed = [](DeviceIndex, const Request&) { return Instant{500ms}; };
+  const auto paid = [](DeviceIndex, const Request&) { return Instant{100ms}; };
+  EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{}, owed)));
+  reads_.release_held(Instant{100ms} - 1ns, paid);
+  EXPECT_FALSE(reads_.due(Instant{100ms} - 1ns));
+  reads_.release_held(Instant{100ms}, paid);
+  EXPECT_TRUE(reads_.due(Instant{100ms}));
+}
+
 TEST_F(ReadPathTest, AHeldReadIsDueAtTheLatestWhenItsResponseCanNoLongerCome) {
   const auto owed = [](DeviceIndex, const Request&) { return Instant{500ms}; };
   EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{}, owed)));
   EXPECT_TRUE(reads_.due(Instant{500ms}));
+}
+
+TEST_F(ReadPathTest, TheLongestBlockIsForgottenWithWhatWasLearnedOfTheDevice) {
+  for (const AreaIndex area : {AreaIndex{0}, kHolding}) {
+    BusSpec spec = test::rtu_bus(1);
+    for (ChannelSpec& channel : spec.devices[0].channels) {
+      channel.range.area = area;
+      channel.encoding.type = area == 0 ? ValueType::kBool : ValueType::kUint16;
+    }
+    const BusSetup setup(spec);
+    ChannelTable channels(setup.spec());
+    ReadPath reads(setup, channels);
+    const auto longest_read = [&](Instant now, std::uint32_t accepted) {
+      std::uint32_t longest = 0;
+      for (const Instant end = now + 5s; now < end; now += 20ms) {
+        auto decision = reads.next(now, at_once_);
+        if (!std::holds_alternative<Read>(decision)) continue;
+        const Read& read = std::get<Read>(decision);
+        const std::uint32_t count = read.block.ranges[0].count;
+        longest = std::max(longest, count);
+        if (count > accepted)
+          reads.failed(read.block, read.longer, Cause::kDeviceError, 3, now, sink_);
+        else
+          reads.responded(read.block, test::items(Bytes(2 * count)), now, now, sink_);
+      }
+      return longest;
+    };
+    EXPECT_EQ(longest_read(Instant{}, 2), 4u);
+    EXPECT_EQ(longest_read(Instant{100s}, 2), 2u) << "the search is over, its result is known";
+    reads.forget(0);
+    EXPECT_EQ(longest_read(Instant{200s}, 4), 4u);
+  }
 }
 
 TEST_F(ReadPathTest, ASuspendedDeviceIsNotRead) {

@@ -102,6 +102,17 @@ TEST_F(RepetitionFilterTest, TwoEqualFramesInOneReadAreOneResponseAndItsRepetiti
   EXPECT_EQ(filter_.find(kNext, Instant{2s}), 0u) << "its repetition has arrived";
 }
 
+TEST_F(RepetitionFilterTest, AnOddOrEmptyResponseIsNotTwoFrames) {
+  filter_.responded(1, {}, 0, Instant{2s});
+  EXPECT_FALSE(filter_.watches(1));
+  filter_.responded(1, Bytes{0x06}, 0, Instant{2s});
+  EXPECT_FALSE(filter_.watches(1));
+  filter_.responded(1, Bytes{0x06, 0x06, 0x06}, 0, Instant{2s});
+  EXPECT_FALSE(filter_.watches(1));
+  filter_.responded(1, Bytes{0x06, 0x06}, 0, Instant{2s});
+  EXPECT_TRUE(filter_.watches(1));
+}
+
 TEST_F(RepetitionFilterTest, NoiseInFrontIsNoPartOfTheResponse) {
   filter_.responded(1, joined({0xFF, 0x00}, kNext), 7, Instant{2s});
   EXPECT_EQ(filter_.find(kNext, Instant{2s}), 7u);

@@ -130,6 +130,16 @@ TEST(ResponseForecast, ARefusalIsNotDelayedByTheLengthOfTheResponse) {
   EXPECT_EQ(bus.quiet_until(), bus.now + ResponseForecast::kLongest);
 }
 
+TEST(ResponseForecast, AtFirstTheLineIsReadBeforeTheRestOfAResponseIsWhole) {
+  Forecast bus;
+  bus.forecast.begin(false);
+  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 40}}}, {1}), 200ms, true, bus.now,
+                   bus.out);
+  bus.receive({0x01, 0x03, 80, 0x00});
+  EXPECT_EQ(bus.quiet_until(), bus.now + kForecastLine.characters(81) -
+                                   kForecastLine.characters(1) - ResponseForecast::kEarlyWake);
+}
+
 TEST(ResponseForecast, TheRestOfAResponseIsForecastFromItsFirstBytes) {
   Forecast bus;
   bus.trust();

@@ -41,6 +41,11 @@ TEST(SilenceLearning, KeepsAMarginAboveTheLeast) {
   EXPECT_EQ(line.failures, 0u);
   EXPECT_GT(line.learning.silence(), kLeastSilence);
   EXPECT_LT(line.learning.silence(), 2 * kLeastSilence);
+  for (int i = 0; i < 100; ++i) {
+    const Duration learned = line.learning.silence();
+    line.run(1);
+    EXPECT_EQ(line.learning.silence(), learned) << "the search has ended";
+  }
 }
 
 TEST(SilenceLearning, IsOneStepLongerThanTheMostDemandingDeviceAccepts) {
@@ -133,7 +138,10 @@ TEST(SilenceLearning, AStepThatFailsTwiceIsExcluded) {
                                                 {Duration{900us}, Duration{1750us}, 2u},
                                                 {Duration{1300us}, Duration{1750us}, 2u}}) {
     BusyLine line{{0us, need, 0us}};
-    line.run(5000);
+    for (int round = 0; round < 5000; ++round) {
+      line.run(1);
+      if (line.failures == 2) { ASSERT_GE(line.learning.silence(), learned) << need.count(); }
+    }
     EXPECT_EQ(line.learning.silence(), learned) << need.count();
     EXPECT_EQ(line.failures, failures) << need.count();
   }

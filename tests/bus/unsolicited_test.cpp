@@ -154,6 +154,27 @@ TEST(Unsolicited, AValueThatAFrameDoesNotHaveIsNotAvailable) {
   EXPECT_EQ(without[1].value, Value{2.5});
 }
 
+TEST(Unsolicited, BytesWithoutAFrameAreDiscarded) {
+  const BusSetup setup{test::bus_by(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0, baud: 9600 }\n"
+      "    protocol: meter\n    devices:\n      - name: m\n        address: 1\n"
+      "        channels:\n          - { name: p, at: power, type: float64, refresh: 3s }\n",
+      "meter", kSilentMeter)};
+  UnsolicitedListener listener(setup);
+  listener.opened();
+  const auto frames = [&](std::string_view text) {
+    return listener.on_bytes(Bytes(text.begin(), text.end()), Instant{1s}).size();
+  };
+  const std::string_view frame = "/P(0001.5)S(1234)!\r\n";
+  for (const char noise : {'x', '/'}) {
+    for (std::size_t bytes = 0; bytes < 2 * UnsolicitedListener::kMostKept; bytes += 1000)
+      EXPECT_EQ(frames(std::string(1000, noise)), 0u);
+    (void)frames(frame);  // its beginning may be missing
+    EXPECT_EQ(frames(frame), 1u) << noise;
+    EXPECT_EQ(frames(frame), 1u) << noise;
+  }
+}
+
 // Requests, responses and unsolicited frames use one line; some of them collide.
 TEST(Unsolicited, ADeviceIsPolledAndCommandedAsWell) {
   VirtualBus bus(line("      - name: a\n        address: 1\n        channels:\n"

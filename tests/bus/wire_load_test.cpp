@@ -20,6 +20,18 @@ TEST(WireLoad, SharesAreOfTheTimeSinceTheReportBefore) {
   EXPECT_DOUBLE_EQ(load.report(0ms, false, Instant{2s}).busy, 0);
 }
 
+TEST(WireLoad, SharesAreAtMostTheWholeTime) {
+  WireLoad load;
+  (void)load.report(0ms, false, Instant{});
+  load.ended(1100ms, true);
+  const auto none = load.report(0ms, false, Instant{});
+  EXPECT_DOUBLE_EQ(none.busy, 0) << "no time has passed";
+  EXPECT_DOUBLE_EQ(none.reading, 0);
+  const auto whole = load.report(0ms, false, Instant{1s});
+  EXPECT_DOUBLE_EQ(whole.busy, 1);
+  EXPECT_DOUBLE_EQ(whole.reading, 1);
+}
+
 TEST(WireLoad, TheExchangeOnTheWireCountsAsFarAsItHasCome) {
   WireLoad load;
   (void)load.report(0ms, false, Instant{});
