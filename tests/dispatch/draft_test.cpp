@@ -32,6 +32,16 @@ TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
   EXPECT_NE(scheduler->draft(), nullptr) << "of what changed meanwhile";
 }
 
+TEST(Draft, AnAreaThatIsNotReadIsNoChange) {
+  const ScheduleInput input = plant_of(1);
+  const auto scheduler = make_scheduler(input);
+  scheduler->set_response_time(0, test::kWindow, 9ms);
+  scheduler->set_longest(0, test::kWindow, 4);
+  EXPECT_EQ(scheduler->draft(), nullptr);
+  scheduler->set_longest(0, test::kRegisters, 4);
+  EXPECT_NE(scheduler->draft(), nullptr);
+}
+
 TEST(Draft, ItsPlanIsTakenAsItIs) {
   const ScheduleInput input = plant_of(2);
   const auto scheduler = make_scheduler(input);
@@ -107,6 +117,15 @@ ScheduleInput plant_at(double load) {
 
 TEST(Rehearsal, APlanForALightWireKeepsEveryRefresh) {
   EXPECT_EQ(count_late(runner_of(plant_at(0.3)), Instant{1s}), 0u);
+}
+
+TEST(Rehearsal, IntensivePointsAreNeverLate) {
+  ScheduleInput input = plant_at(0.3);
+  for (std::size_t i = 0; i < input.points.size(); i += 4) {
+    input.points[i].mode = Mode::kIntensive;
+    input.points[i].refresh = 1ms;
+  }
+  EXPECT_EQ(count_late(runner_of(input), Instant{1s}), 0u);
 }
 
 TEST(Rehearsal, DevicesThatRespondLaterThanPlannedMakePointsLate) {
