@@ -126,6 +126,66 @@ TEST(PlannedPoints, ARefreshBelowTheWireTimeOfItsReadIsRaisedToIt) {
             (std::vector<Duration>{100ms, request + 200ms, 1s, request + 400ms, request + 600ms}));
 }
 
+// A protocol that waits within its exchanges, and reads lists of up to four ranges.
+struct PausingProtocol final : test::FakeProtocol {
+  [[nodiscard]] const Traits& traits() const override { return lists_; }
+  [[nodiscard]] std::optional<ExchangeSize> size(const Request& request) const override {
+    const auto& ranges = std::get<ReadRequest>(request).ranges;
+    ExchangeSize all{4, 4};
+    for (const Range& range : ranges) {
+      const auto one = FakeProtocol::size(ReadRequest{{range}});
+      if (!one || ranges.size() > lists_.max_ranges) return std::nullopt;
+      all.request_characters += 4;
+      all.response_characters += one->response_characters;
+    }
+    all.rounds = 2;
+    all.pauses = 11ms;
+    return all;
+  }
+  Traits lists_{.name = "lists", .summary = "sizes only", .max_ranges = 4};
+};
+const PausingProtocol kPausing;
+
+TEST(ReadCost, IncludesThePausesAndEachRoundOfTheExchange) {
+  DeviceTiming device = timing();
+  device.protocol = &kPausing;
+  device.pause = 7ms;
+  const ReadCost cost(device, kRegisters, kLine, 3ms, 125);
+  EXPECT_EQ(cost.of({kRegisters, 10, 2}),
+            kLine.characters(8 + 4 + 9) + 11ms + 2 * (2ms + 3ms) + 7ms);
+}
+
+TEST(ListCost, IncludesThePausesAndEachRoundOfTheExchange) {
+  DeviceTiming device = timing();
+  device.protocol = &kPausing;
+  device.pause = 7ms;
+  const ListCost cost(device, kLine, 3ms);
+  const ReadRequest two{{{kRegisters, 10, 2}, {kRegisters, 90, 1}}};
+  EXPECT_EQ(cost.of(two), kLine.characters(12 + 4 + 9 + 7) + 11ms + 2 * (2ms + 3ms) + 7ms);
+  EXPECT_EQ(cost.of(ReadRequest{}), std::nullopt);
+  EXPECT_EQ(cost.of(ReadRequest{std::vector<Range>(5, {kRegisters, 10, 2})}), std::nullopt);
+}
+
+TEST(ListCost, TheBlockOfTheDeviceLimitsTheItemsOfAList) {
+  DeviceTiming device = timing();
+  device.protocol = &kPausing;
+  device.max_block = 4;
+  const ListCost cost(device, kLine, 3ms);
+  EXPECT_TRUE(cost.of(ReadRequest{{{kRegisters, 10, 2}, {kRegisters, 90, 2}}}));
+  EXPECT_FALSE(cost.of(ReadRequest{{{kRegisters, 10, 2}, {kRegisters, 90, 3}}}));
+  EXPECT_TRUE(cost.of(ReadRequest{{{kRegisters, 10, 5}}}, true)) << "one point that is longer";
+}
+
+TEST(ListCost, AreasThatAreReadByWholeUnitsAreNotInLists) {
+  DeviceTiming device = timing();
+  device.protocol = &kPausing;
+  const ListCost cost(device, kLine, 3ms);
+  EXPECT_TRUE(cost.lists(kRegisters));
+  EXPECT_TRUE(cost.lists(kBits));
+  EXPECT_FALSE(cost.lists(kBytewise));
+  EXPECT_FALSE(cost.lists(kWindow));
+}
+
 PlannedPoint point(int priority, float elasticity = 1) {
   PlannedPoint made;
   made.priority = static_cast<std::int8_t>(priority);
@@ -154,6 +214,13 @@ TEST(Stretch, TheLowestPriorityGivesWayFirstAndNeverStarves) {
   EXPECT_EQ(points[0].stretch, 16);
   EXPECT_EQ(points[2].stretch, 4);
   EXPECT_EQ(points[1].stretch / points[2].stretch, kMostApart);
+}
+
+TEST(Stretch, ManyPrioritiesShareTheSameDistance) {
+  std::vector<PlannedPoint> points{point(0), point(1), point(2), point(3), point(4)};
+  stretch_points(points, 32);
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(points[i].stretch, 32 >> i);
+  EXPECT_EQ(points[0].stretch / points[4].stretch, kMostApart);
 }
 
 TEST(Stretch, ElasticityIsTheShareOfTheStretch) {

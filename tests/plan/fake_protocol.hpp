@@ -9,7 +9,7 @@ namespace fieldcast::test {
 
 inline constexpr AreaIndex kRegisters = 0, kBits = 1, kBytewise = 2, kWindow = 3;
 
-class FakeProtocol final : public Protocol {
+class FakeProtocol : public Protocol {
  public:
   [[nodiscard]] const Traits& traits() const override { return traits_; }
   [[nodiscard]] std::span<const Area> areas() const override { return areas_; }
