@@ -231,6 +231,36 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   EXPECT_EQ(job->take_acquired().size(), 3u);
 }
 
+// Regression: a reason without the channel left it open which of many values is not a number.
+TEST_F(CommandJobTest, AnAcquiredValueThatIsNoneIsNamed) {
+  add("level", {2, 200, 2}, {ValueType::kFloat32}, Access::kReadOnly);
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.device = "press";
+  const auto reason_of = [&](Target target, const Bytes& registers) {
+    command.target = std::move(target);
+    auto job = make(command);
+    if (!job) return job.error().reason;
+    while (const auto request = job->next()) {
+      const Range& range = std::get<ReadRequest>(*request).ranges.front();
+      job->responded(items(range.first >= 200 ? registers : Bytes(range.count * 2u)), {});
+    }
+    EXPECT_EQ(result(*job).state, CommandState::kFailed);
+    EXPECT_EQ(result(*job).cause, Cause::kRange);
+    return result(*job).reason;
+  };
+  const Bytes not_a_number{0x7F, 0xC0, 0, 0};
+  EXPECT_EQ(reason_of(ChannelTarget{}, not_a_number),
+            "channel 'level': the device holds no value of type float32");
+  EXPECT_EQ(reason_of(ChannelTarget{"level"}, not_a_number),
+            "the device holds no value of type float32");
+  device_.allow_raw_read = true;
+  command.count = 2;
+  EXPECT_EQ(reason_of(AddressTarget{"holding:200", {ValueType::kFloat32}},
+                      {0x3F, 0x80, 0, 0, 0x7F, 0xC0, 0, 0}),
+            "value 2: the device holds no value of type float32");
+}
+
 TEST_F(CommandJobTest, NoReadIsLongerThanTheBlockOfTheDevice) {
   Command command;
   command.operation = Operation::kAcquire;

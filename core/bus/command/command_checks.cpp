@@ -150,7 +150,7 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
         return fault(Cause::kUnsupported, "channel '" + channel.name +
                                               "' is write-only; its configuration would have to "
                                               "say access: read-write");
-      subjects_.push_back({channel.range, channel.encoding, index, readable});
+      subjects_.push_back({channel.range, channel.encoding, index, readable, channel.name});
     }
     ++index;
   }

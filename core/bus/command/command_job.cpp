@@ -259,10 +259,14 @@ CommandResult CommandJob::result(Instant received, Instant completed) const {
     } else if (result.state == CommandState::kDone) {
       result.state = CommandState::kFailed;
       result.cause = value.error();
-      result.reason = value.error() == Cause::kNotAvailable
-                          ? std::string(to_text(value.error()))
-                          : "what the device holds is no value of type " +
-                                std::string(to_text(subject.encoding.type));
+      const std::string place = !subject.name.empty()
+                                    ? "channel '" + subject.name + "'"
+                                    : "value " + std::to_string(result.values.size() + 1);
+      result.reason =
+          (subjects_.size() > 1 ? place + ": " : "") +
+          (value.error() == Cause::kNotAvailable ? std::string(to_text(value.error()))
+                                                 : "the device holds no value of type " +
+                                                       std::string(to_text(subject.encoding.type)));
     }
   }
   return result;

@@ -25,6 +25,7 @@ struct CommandSubject {
   Encoding encoding;
   std::optional<ChannelIndex> channel;
   bool readable = true;
+  std::string name{};  // of the channel, for reasons
 };
 
 class CommandJob {
