@@ -122,6 +122,7 @@ std::string EngineerConnection::fault_of_password(const std::string& user) const
 
 void EngineerConnection::end(const std::string& reason) {
   ended_ = true;
+  if (over_) return part();  // its last bytes would be sent for minutes
   tell(Ended{reason});
 }
 
@@ -331,6 +332,10 @@ void EngineerConnection::execute(const HangUp&) {
   const auto self = shared_from_this();
   client_->finish(RelayEnd::Until::kTaken,
                   [self] { asio::post(self->around_.io, [self] { self->around_.over(self); }); });
+  part();
+}
+
+void EngineerConnection::part() {
   std::make_shared<Farewell>(around_.io, client_, ended_ ? kFlushAtEnd : kFlushLongest)->check();
 }
 

@@ -53,6 +53,8 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   [[nodiscard]] std::string fault_of_user(const std::string& user) const;
   // Reason why a password of this user is rejected without a check; empty if it is checked.
   [[nodiscard]] std::string fault_of_password(const std::string& user) const;
+  // Sends the client its last bytes, for a limited time.
+  void part();
   void tell(const EngineerEvent& event);
   void execute(const ToClient& what);
   void execute(const ToDevice& what);

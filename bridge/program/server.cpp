@@ -116,8 +116,11 @@ void Server::stop_engineers() {
         if (--*left == 0) gone->set_value();
       });
   });
-  if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
+  const auto closed = gone->get_future();
+  if (closed.wait_for(kStopLimit) != std::future_status::ready) {
     log_warning("program", "a client does not disconnect");
+    closed.wait();  // its connection uses the server
+  }
   s.io.run([] {});  // handlers cancelled by the close have run
   s.io.run([&] {
     s.engineers.clear();

@@ -1,5 +1,6 @@
 // Ports of single devices: RFC 2217 and raw bytes to a module that dialled in.
 #include "tests/bridge/program/program_support.hpp"
+#include "tests/bridge/support/captured_log.hpp"
 #include "tests/bridge/support/certificates.hpp"
 #include "tests/bridge/support/tls_client.hpp"
 
@@ -108,6 +109,28 @@ TEST_F(EngineerPort, TheStopOfTheBridgeEndsTheSession) {
   server.stop();
   EXPECT_TRUE(audited("ended: the bridge stops"));
   EXPECT_EQ(client->receive("never"), "");
+}
+
+// Regression: the stop gave up, and destroyed the server that the connection still used.
+TEST_F(EngineerPort, TheStopDoesNotWaitForAClientThatReadsNothing) {
+  port().raw = true;
+  spec.engineers->idle = std::chrono::seconds{1};
+  CapturedLog log;
+  start();
+  TcpClient module = this->module("17\r\n");
+  std::unique_ptr<TcpClient> first;
+  ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");  // registered
+  first->send("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  const auto client = connect();
+  ASSERT_TRUE(audited("paired, raw bytes"));
+  const Bytes many(1 << 20);
+  pollfd space{module.fd(), POLLOUT, 0};
+  for (int i = 0; i < 100 && ::poll(&space, 1, 300) > 0; ++i)  // until all buffers are full
+    (void)::send(module.fd(), many.data(), many.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  ASSERT_TRUE(audited("no program byte for 1s"));
+  server.stop();
+  EXPECT_THAT(log.end(), testing::Not(testing::HasSubstr("a client does not disconnect")));
 }
 
 }  // namespace
