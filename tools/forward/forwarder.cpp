@@ -124,7 +124,8 @@ StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifesp
                     .alarm = {path.bus, path.device, path.channel, request.limit},
                     .by = request.user,
                     .note = request.note,
-                    .duration = std::chrono::minutes{request.minutes}},
+                    .duration = std::chrono::minutes{request.minutes},
+                    .raised_at = request.raised_at},
         kFinding, lifespan + kResult);
   StationCommand command{.bus = path.bus,
                          .command = {.device = path.device, .target = ChannelTarget{path.channel}},

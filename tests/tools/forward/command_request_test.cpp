@@ -66,6 +66,16 @@ TEST(CommandRequest, ActionsHaveTheirMembers) {
   }
   shelve["minutes"] = 30;
   EXPECT_EQ(fault(shelve), "");
+  auto acknowledge = shelve;
+  acknowledge["action"] = "acknowledge";
+  acknowledge.erase("minutes");
+  acknowledge["raised_at"] = "5";
+  EXPECT_THAT(fault(acknowledge), HasSubstr("\"raised_at\" is not Unix time"));
+  acknowledge["raised_at"] = 5;
+  EXPECT_EQ(fault(acknowledge), "");
+  shelve["raised_at"] = 5;
+  EXPECT_THAT(fault(shelve), HasSubstr("member 'raised_at' is unknown"));
+  shelve.erase("raised_at");
   shelve["note"] = std::string(257, 'x');
   EXPECT_THAT(fault(shelve), HasSubstr("\"note\" is not"));
   shelve["action"] = "maintenance";

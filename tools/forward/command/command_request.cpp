@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 5> kMembers{"schema", "id", "action", "ch
 constexpr ActionRow kActions[] = {
     {CentreAction::kWrite, "write", {"value", "verify"}},
     {CentreAction::kAcquire, "acquire", {}},
-    {CentreAction::kAcknowledge, "acknowledge", {"limit", "note"}},
+    {CentreAction::kAcknowledge, "acknowledge", {"limit", "note", "raised_at"}},
     {CentreAction::kShelve, "shelve", {"limit", "note", "minutes"}},
     {CentreAction::kUnshelve, "unshelve", {"limit", "note"}},
 };
@@ -95,6 +95,9 @@ Fault read_alarm(const Tree& json, CommandRequest& request) {
     return fmt::format("\"note\" is not a text of at most {} bytes", kMaxNote);
   request.limit = *kind;
   request.note = printable(note.get<std::string>());
+  const Tree raised = json.value("raised_at", Tree(0));
+  if (!raised.is_number_integer()) return "\"raised_at\" is not Unix time in nanoseconds";
+  request.raised_at = {raised.get<std::int64_t>()};
   if (request.action != CentreAction::kShelve) return {};
   const Tree minutes = json.value("minutes", Tree());
   if (!minutes.is_number_unsigned() || minutes == Tree(0) || minutes > Tree(kMaxMinutes))
@@ -184,6 +187,7 @@ std::string to_json(const CommandRequest& request) {
     json.add("value", Json(request.value)).add("verify", request.verify);
   if (alarm_action_of(request.action))
     json.add("limit", to_text(request.limit)).add("note", request.note);
+  if (request.raised_at.nanoseconds != 0) json.add("raised_at", request.raised_at.nanoseconds);
   if (request.action == CentreAction::kShelve) json.add("minutes", request.minutes);
   return json.text();
 }

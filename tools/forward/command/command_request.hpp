@@ -41,6 +41,7 @@ struct CommandRequest {
   bool verify = false;                 // kWrite: read back after the write
   LimitKind limit = LimitKind::kHigh;  // of the alarm
   std::string note;                    // of an action on an alarm
+  UtcTime raised_at{};                 // kAcknowledge: the occurrence; 0: any
   std::uint32_t minutes = 0;           // kShelve
   UtcTime expires_at{};                // latest start, by the clock of the site
 };

@@ -179,10 +179,23 @@ Checked<Duration> minutes_in(const Body& object, std::uint32_t least, std::uint3
                 fmt::format("\"minutes\": a whole number from {} to {}", least, most));
 }
 
+Checked<UtcTime> raised_in(const Body& object) {
+  UtcTime raised;
+  const auto found = object.find("raised_ns");
+  if (found == object.end()) return raised;
+  if (found->is_string()) {
+    const auto& text = found->get_ref<const std::string&>();
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, raised.nanoseconds);
+    if (read.ec == std::errc{} && read.ptr == end) return raised;
+  }
+  return refuse("this is no time of an occurrence", R"("raised_ns": the text of the alarm)");
+}
+
 Checked<AlarmKey> alarm_in(const Body& object) {
   if (!object.is_object())
     return refuse("an alarm is an object", R"({"bus", "device", "channel", "limit"})");
-  if (auto fault = unknown_member(object, {"bus", "device", "channel", "limit"}))
+  if (auto fault = unknown_member(object, {"bus", "device", "channel", "limit", "raised_ns"}))
     return tl::make_unexpected(*std::move(fault));
   AlarmKey key;
   if (auto fault = read_names(
@@ -223,6 +236,9 @@ Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind, const Body
     auto key = alarm_in(each);
     if (!key) return tl::make_unexpected(std::move(key.error()));
     action.alarm = *std::move(key);
+    const auto raised = raised_in(each);
+    if (!raised) return tl::make_unexpected(raised.error());
+    if (kind == AlarmActionKind::kAcknowledge) action.raised_at = *raised;
     actions.push_back(action);
   }
   return actions;

@@ -188,6 +188,7 @@ std::string alarm_json(const LiveAlarm& alarm) {
       .add("active", alarm.active)
       .add("value", alarm.value)
       .add("since_ms", alarm.since)
+      .add("raised_ns", std::to_string(alarm.raised_at.nanoseconds))
       .add("occurrences", alarm.occurrences)
       .add("chattering", alarm.chattering)
       .add("acknowledged_by", alarm.acknowledged_by)

@@ -147,6 +147,7 @@ LiveAlarm live_alarm(const StationAlarmStatus& told) {
   live.active = status.active;
   live.value = status.value;
   live.since = status.since();
+  live.raised_at = status.raised_at;
   live.occurrences = status.occurrences;
   live.chattering = status.chattering;
   live.acknowledged_by = status.acknowledged.by;

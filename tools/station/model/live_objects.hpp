@@ -25,6 +25,7 @@ struct LiveAlarm {
   bool active = false;
   double value = 0;
   UtcTime since;
+  UtcTime raised_at;              // present or last occurrence; 0: unknown
   std::uint32_t occurrences = 0;  // in the last 10 minutes
   bool chattering = false;
   std::string acknowledged_by, note;

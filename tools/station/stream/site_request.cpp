@@ -68,6 +68,7 @@ std::optional<SiteRequest> site_request_of(const AlarmAction& action, std::strin
        .channel = {.device = action.alarm.device, .channel = action.alarm.channel},
        .limit = action.alarm.limit,
        .note = action.note,
+       .raised_at = action.raised_at,
        .minutes = static_cast<std::uint32_t>(action.duration / std::chrono::minutes{1})},
       action.alarm.bus, action.by, std::move(id), now, kActionLife);
 }

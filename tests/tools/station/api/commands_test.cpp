@@ -150,6 +150,20 @@ TEST_F(CommandsApiTest, SeveralAlarmsAreAcknowledgedTogether) {
   EXPECT_EQ(commands_.actions[1].note, "seen");
 }
 
+// Regression: an occurrence that nobody had seen was acknowledged.
+TEST_F(CommandsApiTest, AnAcknowledgementNamesTheOccurrence) {
+  const auto body = [](const std::string& raised) {
+    return R"({"alarms":[{"bus":"line","device":"d","channel":"c","limit":"low","raised_ns":)" +
+           raised + "}]}";
+  };
+  EXPECT_EQ(post("/api/alarms/acknowledge", body("\"1764360000123456789\"")).status, 202u);
+  EXPECT_EQ(commands_.actions.at(0).raised_at.nanoseconds, 1'764'360'000'123'456'789);
+  EXPECT_EQ(post("/api/alarms/unshelve", body("\"5\"")).status, 202u);
+  EXPECT_EQ(commands_.actions.at(1).raised_at, UtcTime{}) << "of any occurrence";
+  for (const char* const bad : {"5", "null", "\"\"", "\"5x\"", "\"99999999999999999999\""})
+    EXPECT_EQ(fault("/api/alarms/acknowledge", body(bad)), "this is no time of an occurrence");
+}
+
 TEST_F(CommandsApiTest, ShelvingHasAnEnd) {
   const std::string alarm =
       R"("alarms":[{"bus":"line","device":"d","channel":"speed","limit":"low"}])";

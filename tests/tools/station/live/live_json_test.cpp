@@ -61,12 +61,19 @@ TEST(LiveJson, ADeviceReportsWhatWasLearnedInMilliseconds) {
 TEST(LiveJson, AnAlarmThatNobodyTouchedHasNulls) {
   const LiveAlarm alarm = live_alarm(
       {"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81.5, {2'000'000'000}});
-  EXPECT_EQ(alarm_json(alarm),
-            R"({"bus":"shop","device":"press","channel":"oil","limit":"high",)"
-            R"("priority":"medium","state":"unacknowledged","active":true,"value":81.5,)"
-            R"("since_ms":2000,"occurrences":0,"chattering":false,"acknowledged_by":"",)"
-            R"("acknowledged_ms":null,"note":"","shelved_until_ms":null,"shelved_by":"",)"
-            R"("suppressed":""})");
+  EXPECT_EQ(
+      alarm_json(alarm),
+      R"({"bus":"shop","device":"press","channel":"oil","limit":"high",)"
+      R"("priority":"medium","state":"unacknowledged","active":true,"value":81.5,)"
+      R"("since_ms":2000,"raised_ns":"0","occurrences":0,"chattering":false,"acknowledged_by":"",)"
+      R"("acknowledged_ms":null,"note":"","shelved_until_ms":null,"shelved_by":"",)"
+      R"("suppressed":""})");
+}
+
+TEST(LiveJson, AnOccurrenceHasAllDigitsOfItsTime) {
+  StationAlarmStatus status;
+  status.status.raised_at = {1'764'360'000'123'456'789};
+  EXPECT_EQ(Json::parse(alarm_json(live_alarm(status)))["raised_ns"], "1764360000123456789");
 }
 
 TEST(LiveJson, APlanReportsItsTimesInMilliseconds) {

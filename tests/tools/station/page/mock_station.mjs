@@ -77,7 +77,7 @@ export class InventedPlant {
     const alarm = (index, more) => {
       const channel = this.channels[index % this.channels.length];
       const [bus, device, name] = channel.path.split('/');
-      this.alarms.push({ bus, device, channel: name, limit: 'high', priority: 'high', state: 'unacknowledged', active: true, value: 83.2, since_ms: now - 65_000, occurrences: 1,
+      this.alarms.push({ bus, device, channel: name, limit: 'high', priority: 'high', state: 'unacknowledged', active: true, value: 83.2, since_ms: now - 65_000, raised_ns: '1764360000123456789', occurrences: 1,
         chattering: false, acknowledged_by: '', acknowledged_ms: null, note: '', shelved_until_ms: null, shelved_by: '', suppressed: '', ...more });
     };
     alarm(0, { limit: 'high-high', priority: 'critical' });
@@ -209,8 +209,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   const findAlarm = (key) => plant.alarms.find((each) => ['bus', 'device', 'channel', 'limit'].every((name) => each[name] === key[name]));
   const changeAlarms = (keys, change) => {
     const request_id = nextRequest++;
-    if (mock.failActions) {
-      tellResult(request_id, mock.failActions);
+    const failed = keys.some(({ raised_ns, ...key }) => raised_ns && findAlarm(key).raised_ns !== raised_ns) ?
+      { state: 'rejected', cause: 'WRONG_STATE', reason: 'the alarm was raised again since then' } : mock.failActions;
+    if (failed) {
+      tellResult(request_id, failed);
       return [202, { request_id, request_ids: [request_id] }];
     }
     for (const alarm of keys.map(findAlarm).filter(Boolean)) {

@@ -47,6 +47,10 @@ TEST(SiteRequest, HasTheActionsOnAlarmsOnly) {
   EXPECT_EQ(found.limit, LimitKind::kLow);
   EXPECT_EQ(found.note, "fan");
   EXPECT_EQ(found.minutes, 30u);
+  EXPECT_EQ(found.raised_at, UtcTime{});
+  action.kind = AlarmActionKind::kAcknowledge;
+  action.raised_at = {1'764'360'000'123'456'789};
+  EXPECT_EQ(read(*site_request_of(action, "7-2", kMoment)).raised_at, action.raised_at);
   action.kind = AlarmActionKind::kEndSession;
   EXPECT_FALSE(site_request_of(action, "7-1", kMoment));
 }

@@ -52,7 +52,7 @@ const lengthField = (lengths: readonly number[], chosen: number): TemplateResult
 
 // Returns a body for each request, with at most mostAtOnce alarms.
 function bodiesOf(alarms: readonly Alarm[], more: Record<string, unknown> = {}): unknown[] {
-  const keys = alarms.map(({ bus, device, channel, limit }) => ({ bus, device, channel, limit }));
+  const keys = alarms.map(({ bus, device, channel, limit, raised_ns }) => ({ bus, device, channel, limit, raised_ns }));
   const bodies: unknown[] = [];
   for (let from = 0; from < keys.length; from += mostAtOnce) bodies.push({ alarms: keys.slice(from, from + mostAtOnce), ...more });
   return bodies;

@@ -106,6 +106,7 @@ export interface Alarm {
   active: boolean;
   value: number | null;
   since_ms: number;
+  raised_ns: string;  // identifies the occurrence; a number would lose digits
   occurrences: number;
   chattering: boolean;
   acknowledged_by: string;

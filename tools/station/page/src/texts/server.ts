@@ -34,4 +34,5 @@ export const messages: readonly (readonly [en: string, zh: string])[] = [
   ["channel '{}' is write-only; its configuration would have to say access: read-write", '通道 “{}” 只写；其配置须写明 access: read-write'],
   ['{} is below the lowest value allowed, {} (write: min)', '{} 低于允许的最小值 {}（write: min）'], ['{} is above the highest value allowed, {} (write: max)', '{} 高于允许的最大值 {}（write: max）'],
   ["channel '{}' is calculated by the bridge; only its inputs can be requested", '通道 “{}” 由网桥计算；只能请求其输入'], ["device '{}' has no channel '{}'", '设备 “{}” 没有通道 “{}”'],
+  ['the alarm was raised again since then', '此后报警再次触发'],
 ];
