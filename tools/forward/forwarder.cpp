@@ -108,6 +108,11 @@ void Forwarder::start() {
        .in_flight = spec_.send.in_flight,
        .wake = [this] { sender_.wake(); },
        .count_connection = [this] { return queue_.count_up("outlet connections"); },
+       .is_announced =
+           [this](const std::string& bus, const std::string& device) {
+             const std::lock_guard lock(mutex_);
+             return gatherer_.has(bus, device);
+           },
        .on_command = commands_ ? std::function([this](CentreRequest request) {
          commands_->on_request(std::move(request));
        })

@@ -196,6 +196,54 @@ TEST_F(EdgeNodeTest, ASilentDeviceDiesAndIsBornAgain) {
                           "spBv1.0/fieldcast/DDATA/north/line:press"));
 }
 
+// Regression: a channel that is not read, or has no valid address, kept a silent device alive.
+TEST_F(EdgeNodeTest, ASilentDeviceDiesWhateverChannelsItHas) {
+  present = catalogue({"temperature", "level", "button", "wrong"});
+  present.channels[2].refresh = {};
+  (void)node.births(kEdgeNow);
+  (void)send(one(1, 1.0));
+  (void)send(one(1, 1.0, Quality::kBadConfiguration, 3));
+  EXPECT_THAT(edge_topics_of(send(one(2, 1.0, Quality::kBadNoResponse))),
+              ElementsAre("spBv1.0/fieldcast/DDATA/north/line:press"))
+      << "the level is not known";
+  (void)send(one(2, 1.0, Quality::kBadDeviceError, 1));
+  EXPECT_THAT(edge_topics_of(send(one(3, 1.0, Quality::kBadNoResponse))),
+              ElementsAre("spBv1.0/fieldcast/DDATA/north/line:press"))
+      << "the device refuses the level";
+  EXPECT_THAT(edge_topics_of(send(one(4, 1.0, Quality::kBadNoResponse, 1))),
+              ElementsAre("spBv1.0/fieldcast/DDATA/north/line:press",
+                          "spBv1.0/fieldcast/DDEATH/north/line:press"));
+  EXPECT_TRUE(send(one(5, 1.0, Quality::kUncertain)).empty());
+  EXPECT_EQ(send(one(6, 1.0, Quality::kBadDeviceError)).size(), 2u) << "it responds again";
+}
+
+// Regression: hosts showed the last values of a killed bridge as good.
+TEST_F(EdgeNodeTest, ADeviceWithoutABridgeDiesAndIsBornAgain) {
+  bool is_announced = true;
+  const auto deaths = [&] {
+    return node.deaths(
+        [&](const std::string& bus, const std::string& device) {
+          EXPECT_EQ(bus + ' ' + device, "line press");
+          return is_announced;
+        },
+        kEdgeNow);
+  };
+  (void)node.births(kEdgeNow);
+  EXPECT_TRUE(deaths().empty()) << "no device is born yet";
+  (void)send(one(1, 1.0, Quality::kGood, 1));
+  EXPECT_TRUE(deaths().empty());
+  is_announced = false;
+  const auto messages = deaths();
+  EXPECT_THAT(edge_topics_of(messages), ElementsAre("spBv1.0/fieldcast/DDEATH/north/line:press"));
+  EXPECT_EQ(payload_of(messages[0]).seq(), 3u);
+  EXPECT_TRUE(deaths().empty());
+  EXPECT_EQ(node.births(kEdgeNow).size(), 1u);
+  EXPECT_TRUE(send(one(2, 1.0, Quality::kNotYetRead)).empty());
+  const auto again = send(one(3, 1.0));
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_EQ(sent_quality_of(payload_of(again[0]).metrics(1)), 500u) << "of before";
+}
+
 TEST_F(EdgeNodeTest, AChangedCatalogueIsANewBirthAndAnOldOneIsNot) {
   (void)node.births(kEdgeNow);
   const DeviceCatalogue old = present;

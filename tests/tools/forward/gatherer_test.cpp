@@ -195,6 +195,15 @@ TEST_F(GathererTest, TheGapSinceTheLastRunIsReported) {
               testing::ElementsAre(Gap{"line/press/a", {7, 3}, {7, 8}, {}}));
 }
 
+TEST_F(GathererTest, ADeviceIsAnnouncedWhileItHasAChannel) {
+  EXPECT_FALSE(gatherer.has("line", "press"));
+  announce({"a", "b"});
+  gatherer.on_channel_removed("line", "press", "a");
+  EXPECT_TRUE(gatherer.has("line", "press"));
+  gatherer.on_channel_removed("line", "press", "b");
+  EXPECT_FALSE(gatherer.has("line", "press"));
+}
+
 TEST_F(GathererTest, AFetchedBatchHasTheCatalogueButNoPosition) {
   announce({"a", "b"});
   const auto late =

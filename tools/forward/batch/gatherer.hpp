@@ -67,6 +67,10 @@ class Gatherer {
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t devices() const { return devices_.size(); }
+  // Whether a channel of the device is announced.
+  [[nodiscard]] bool has(const std::string& bus, const std::string& device) const {
+    return devices_.contains(bus + '/' + device);
+  }
 
  private:
   struct Channel {

@@ -23,6 +23,9 @@ struct CentreRequest {
   std::function<void(std::string response)> reply;
 };
 
+// Whether a bridge announces channels of the device. Any thread.
+using IsAnnounced = std::function<bool(const std::string& bus, const std::string& device)>;
+
 // What every outlet needs.
 struct OutletContext {
   std::string site;
@@ -33,6 +36,7 @@ struct OutletContext {
   std::function<void()> wake;
   // Counts the connections of this outlet, also over restarts: 0, 1, .. Throws StoreError.
   std::function<std::uint64_t()> count_connection;
+  IsAnnounced is_announced;
   // Called on a thread of the engine's library; must not block. Null: no commands are accepted.
   std::function<void(CentreRequest request)> on_command;
 };

@@ -33,6 +33,17 @@ std::string alarm_name(const std::string& channel, std::size_t limit) {
   return fmt::format("Alarms/{}/{}", channel, to_text(static_cast<LimitKind>(limit)));
 }
 
+// A device sent something.
+bool is_response(Quality quality) {
+  switch (quality) {
+    case Quality::kGood:
+    case Quality::kBadFrame:
+    case Quality::kBadDeviceError:
+    case Quality::kBadRange: return true;
+    default: return false;
+  }
+}
+
 void log_unknown(const Record& record, const char* what) {
   log_counted(LogLevel::kWarning, "sparkplug", "records of removed channels",
               fmt::format("{}/{}: {} of a channel that the device no longer has; not sent",
@@ -285,10 +296,9 @@ std::optional<EdgeNode::Messages> EdgeNode::samples(const Record& record, UtcTim
       [](const BatchSample& a, const BatchSample& b) { return a.acquired_at < b.acquired_at; });
   const std::vector<Channel*> channels = channels_of(device, *decoded);
   const auto& batch = decoded->batch.samples;
-  const auto is_silent = [](Quality quality) { return quality == Quality::kBadNoResponse; };
   if (device.is_dead && !record.is_late &&
-      std::all_of(batch.begin(), batch.end(),
-                  [&](const BatchSample& sample) { return is_silent(sample.quality); }))
+      std::none_of(batch.begin(), batch.end(),
+                   [](const BatchSample& sample) { return is_response(sample.quality); }))
     return Messages{};
   Messages messages;
   if (!device.is_born) bear(device, messages, now);
@@ -301,12 +311,37 @@ std::optional<EdgeNode::Messages> EdgeNode::samples(const Record& record, UtcTim
     metrics.push_back(metric_of(*channels[i], batch[i], record.is_late));
   }
   if (!metrics.empty()) messages.push_back(made("DDATA", &device, metrics, now));
-  if (std::all_of(device.channels.begin(), device.channels.end(), [&](const Channel& channel) {
-        return channel.last && is_silent(channel.last->quality);
-      })) {
-    messages.push_back(made("DDEATH", &device, {}, now));
-    device.is_born = false;
-    device.is_dead = true;
+  if (is_silent(device)) die(device, messages, now);
+  return messages;
+}
+
+// A channel without a refresh, for example a write-only one, may never have a sample.
+bool EdgeNode::is_silent(const Device& device) {
+  const auto may_respond = [](const Channel& channel) {
+    return channel.last ? is_response(channel.last->quality) : channel.entry.refresh > Duration{};
+  };
+  const auto is_without_response = [](const Channel& channel) {
+    return channel.last && channel.last->quality == Quality::kBadNoResponse;
+  };
+  return std::ranges::none_of(device.channels, may_respond) &&
+         std::ranges::any_of(device.channels, is_without_response);
+}
+
+void EdgeNode::die(Device& device, Messages& messages, UtcTime now) {
+  messages.push_back(made("DDEATH", &device, {}, now));
+  device.is_born = false;
+  device.is_dead = true;
+}
+
+std::vector<MqttMessage> EdgeNode::deaths(const IsAnnounced& is_announced, UtcTime now) {
+  Messages messages;
+  for (auto& [name, device] : devices_) {
+    if (!device.is_born || is_announced(name.first, name.second)) continue;
+    die(device, messages, now);
+    for (Channel& channel : device.channels) {  // the next birth does not show them as good
+      if (channel.last && channel.last->quality == Quality::kGood)
+        channel.last->quality = Quality::kUncertain;
+    }
   }
   return messages;
 }

@@ -33,6 +33,9 @@ class EdgeNode {
   // NBIRTH, and DBIRTH of all devices that are not dead.
   [[nodiscard]] std::vector<MqttMessage> births(UtcTime now);
 
+  // DDEATH of the devices that no bridge announces any more (5.5).
+  [[nodiscard]] std::vector<MqttMessage> deaths(const IsAnnounced& is_announced, UtcTime now);
+
   // The messages of a record; there may be none. Begins with DBIRTH if the device needs one, and
   // ends with DDEATH if no channel of the device responds. Empty if the record cannot be decoded.
   [[nodiscard]] std::optional<std::vector<MqttMessage>> messages(const Record& record, UtcTime now);
@@ -89,6 +92,8 @@ class EdgeNode {
   void set_catalogue(Device& device, const DeviceCatalogue& catalogue, std::uint64_t identity,
                      std::uint64_t record);
   void bear(Device& device, Messages& messages, UtcTime now);
+  void die(Device& device, Messages& messages, UtcTime now);
+  [[nodiscard]] static bool is_silent(const Device& device);
   [[nodiscard]] Write write_of(const Device& device, const HostCommand& command,
                                const CommandMetric& metric) const;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
@@ -30,6 +31,7 @@ SparkplugOutlet::SparkplugOutlet(const SparkplugSpec& spec, const OutletContext&
     : spec_(spec),
       count_connection_(context.count_connection),
       on_command_(spec.command_user.empty() ? nullptr : context.on_command),
+      is_announced_(context.is_announced),
       node_(spec, context.site, context.catalogue),
       session_(spec, kSection, context,
                {.will = [this] { return node_.will(next_number(), read_clocks().utc); },
@@ -84,13 +86,20 @@ bool SparkplugOutlet::is_ready(Instant now) {
     return false;
   }
   if (!has_host(now)) return false;
-  if (is_born_ && !rebirth_) return true;
-  for (const MqttMessage& birth : node_.births(read_clocks().utc)) {
-    if (!session_.publish(birth, std::nullopt, now)) return false;
+  if (!is_born_ || rebirth_) {
+    if (!publish_all(node_.births(read_clocks().utc), now)) return false;
+    is_born_ = true;
+    rebirth_ = false;
   }
-  is_born_ = true;
-  rebirth_ = false;
-  return true;
+  if (now < next_look_) return true;
+  next_look_ = now + kLook;
+  return publish_all(node_.deaths(is_announced_, read_clocks().utc), now);
+}
+
+bool SparkplugOutlet::publish_all(const std::vector<MqttMessage>& messages, Instant now) {
+  return std::ranges::all_of(messages, [&](const MqttMessage& message) {
+    return session_.publish(message, std::nullopt, now);
+  });
 }
 
 // After a request for a rebirth, no data may be sent before it.

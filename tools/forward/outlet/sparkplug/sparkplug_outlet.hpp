@@ -22,9 +22,12 @@ class SparkplugOutlet final : public Outlet {
  private:
   // Without the primary host, the next server is tried after this time.
   static constexpr Duration kHostWait = std::chrono::seconds{5};
+  // Between two looks for devices that no bridge announces.
+  static constexpr Duration kLook = std::chrono::seconds{1};
 
   [[nodiscard]] bool begin_connection(Instant now);
   [[nodiscard]] bool has_host(Instant now);
+  [[nodiscard]] bool publish_all(const std::vector<MqttMessage>& messages, Instant now);
   [[nodiscard]] std::uint64_t next_number();
   void on_message(const MqttMessage& message);
   void on_state(const MqttMessage& message);
@@ -35,6 +38,7 @@ class SparkplugOutlet final : public Outlet {
   const SparkplugSpec spec_;
   const std::function<std::uint64_t()> count_connection_;
   const std::function<void(CentreRequest)> on_command_;
+  const IsAnnounced is_announced_;
   std::uint64_t number_ = 0;  // of the present or next connection
   EdgeNode node_;
   MqttSession session_;
@@ -43,6 +47,7 @@ class SparkplugOutlet final : public Outlet {
   PrimaryHost host_;
   bool is_born_ = false;                    // on this connection
   bool rebirth_ = false;                    // requested by a host
+  Instant next_look_{};                     // for deaths
   std::vector<std::uint64_t> unconfirmed_;  // records of this turn
   Instant now_{};                           // of the present turn
 };
