@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "tests/bridge/support/captured_log.hpp"
 #include "tests/tools/forward/batch_support.hpp"
 #include "tools/forward/outlet/influxdb/gzip.hpp"
 #include "tools/forward/outlet/influxdb/influxdb.hpp"
@@ -173,6 +174,19 @@ TEST(HttpOutlet, AFailureAfterARefusalKeepsBothMessages) {
   HttpOutlet outlet(spec_of(server), plain_engine(), [] {});
   EXPECT_THAT(outcomes(outlet, records({"a", "b"})),
               ElementsAre(Outcome::kFailed, Outcome::kFailed));
+}
+
+// Regression: the database was ignored without a word.
+TEST(InfluxdbOutlet, WarnsOfADatabaseBesideABucket) {
+  const auto warns = [](const InfluxdbSpec& spec) {
+    test::CapturedLog log;
+    (void)make_influxdb(spec, {});
+    return log.end().find("have no effect beside 'bucket'") != std::string::npos;
+  };
+  EXPECT_FALSE(warns({.organization = "o", .bucket = "b"}));
+  EXPECT_TRUE(warns({.organization = "o", .bucket = "b", .create = true}));
+  EXPECT_TRUE(warns({.database = "d", .organization = "o", .bucket = "b"}));
+  EXPECT_FALSE(warns({.database = "d", .create = true}));
 }
 
 TEST(HttpOutlet, TheRefusalOfAnEmptyBodyByInfluxdb2IsRecognised) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "bridge/log/log.hpp"
 #include "tools/forward/outlet/http/http_outlet.hpp"
 #include "tools/forward/outlet/influxdb/gzip.hpp"
 #include "tools/forward/outlet/influxdb/line_protocol.hpp"
@@ -47,6 +48,11 @@ std::string path_of(const InfluxdbSpec& spec) {
 }  // namespace
 
 std::unique_ptr<Outlet> make_influxdb(const InfluxdbSpec& spec, OutletContext context) {
+  const bool has_bucket = !spec.bucket.empty();
+  if (has_bucket && (spec.create || spec.database != InfluxdbSpec{}.database))
+    log_warning("influxdb",
+                "'database' and 'create' have no effect beside 'bucket'; remove them, or remove "
+                "'bucket' and 'organization' to write to the database");
   HttpEngine engine;
   engine.subject = "influxdb";
   engine.path = path_of(spec);
@@ -57,7 +63,7 @@ std::unique_ptr<Outlet> make_influxdb(const InfluxdbSpec& spec, OutletContext co
                       const Record& record) { return (*encoder)(record); };
   engine.compress = gzipped;
   engine.empty_refusal = "writing requires points";  // InfluxDB 2.0 up to 2.0.8
-  if (spec.create && spec.bucket.empty())
+  if (spec.create && !has_bucket)
     engine.create_path =
         "/query?q=" + percent_encoded(fmt::format("CREATE DATABASE \"{}\"", spec.database));
   return std::make_unique<HttpOutlet>(spec.http, std::move(engine), std::move(context.wake));
