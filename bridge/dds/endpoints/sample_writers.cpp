@@ -240,7 +240,9 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   Slot& slot = slots_[channel];
   Writer* const old = slot.writer;
   if (old != nullptr && old->refresh == refresh) return false;
-  attach_anew(channel, refresh);
+  try {
+    attach_anew(channel, refresh);
+  } catch (const DdsError&) { return false; }
   return true;
 }
 

@@ -46,8 +46,8 @@ class SampleWriters {
   // Returns false if the library rejected a sample (limits, slow readers); the others are written.
   bool write(std::span<const Sample> samples, const UtcMapping& mapping);
 
-  // Returns false if nothing changes. Writes the last sample at the new writer before the old one
-  // unregisters the instance. Throws DdsError if a writer cannot be created.
+  // Returns false if nothing changes, also if the library cannot create a writer. Writes the last
+  // sample at the new writer before the old one unregisters the instance.
   bool move(ChannelIndex channel, std::optional<Duration> refresh);
   [[nodiscard]] std::optional<Duration> refresh_of(ChannelIndex channel) const;
   [[nodiscard]] Duration shortest_refresh() const;  // that is promised; kInfinite: none
