@@ -15,6 +15,7 @@ class CommandQueueTest : public testing::Test {
     BusSpec bus = test::rtu_bus(2);
     bus.devices[0].channels[2].write_interval = 1s;
     bus.devices[1].max_block = 2;
+    bus.devices[0].allow_raw_write = true;
     return bus;
   }
   Command write(const std::string& channel, std::uint64_t value,
@@ -257,16 +258,11 @@ TEST_F(CommandQueueTest, TheBytesOfARequesterAreLimited) {
 }
 
 TEST_F(CommandQueueTest, EachValueOfACommandCounts) {
-  BusSpec spec = bus();
-  spec.devices[0].allow_raw_write = true;
-  const BusSetup setup(spec);
-  CommandQueue queue(setup, channels_, plain_text_codec());
   Command command = write("", 0);
   command.target = AddressTarget{"holding:100", {.type = ValueType::kUint16}};
   command.values.assign(120, Value{std::uint64_t{1}});
   std::size_t accepted = 0;
-  for (; accepted < CommandQueue::kMaxWaiting && results().empty(); ++accepted)
-    queue.accept(command, {}, {}, sink_);
+  for (; accepted < CommandQueue::kMaxWaiting && results().empty(); ++accepted) accept(command);
   EXPECT_LE(accepted, CommandQueue::kMaxBytesOfRequester / (120 * sizeof(Value)) + 1);
 }
 
