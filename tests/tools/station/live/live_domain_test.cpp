@@ -102,14 +102,12 @@ TEST_F(LiveDomainTest, ACommandNamesItsPersonAndItsResultComesToItsPage) {
 TEST_F(LiveDomainTest, AnInterestIsDeclaredWhileAPageIsOpen) {
   Obedient bridge(bus);
   ASSERT_TRUE(run_until([&] { return channel() != nullptr; }));
-  {
-    Page page(io);
-    page.open(domain.make_protocol(), "anna");
-    page.protocol->on_text(R"({"subscribe":")" + bus + R"(/d/c0","refresh_ms":500})", steady_now());
-    ASSERT_TRUE(run_until([&] { return bridge.received.interests.size() == 1; }));
-    EXPECT_EQ(bridge.received.interests.all()[0].refresh, Duration{500ms});
-    page.protocol->on_closed();
-  }
+  Page page(io);
+  page.open(domain.make_protocol(), "anna");
+  page.protocol->on_text(R"({"subscribe":")" + bus + R"(/d/c0","refresh_ms":500})", steady_now());
+  ASSERT_TRUE(run_until([&] { return bridge.received.interests.size() == 1; }));
+  EXPECT_EQ(bridge.received.interests.all()[0].refresh, Duration{500ms});
+  page.protocol->on_closed();
   ASSERT_TRUE(run_until([&] { return bridge.received.interests.size() == 2; }));
   EXPECT_FALSE(bridge.received.interests.all()[1].refresh);
 }
