@@ -121,7 +121,7 @@ TEST(FinsVectors, WhatIsMalformedHasNoValue) {
   EXPECT_GE(seen, 1);
 }
 
-// Datagrams and frames of TCP are those of the protocol omron-fins. Fieldcast does not have Toolbus.
+// Datagrams and frames of TCP are those of omron-fins. Fieldcast does not have Toolbus.
 TEST(FinsVectors, FramesOfEthernetAreExplained) {
   int seen = 0;
   for (const GoldenVector& vector : load_vectors("fins")) {
