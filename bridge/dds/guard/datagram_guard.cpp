@@ -24,9 +24,10 @@ constexpr double kNumbersPerSecond = 100'000, kCreditSeconds = 60;
 // Number of our own message that a participant has left: above those of its writer, and below the
 // numbers that IncomingFilter uses (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
-constexpr std::uint8_t kFinal = 2;                 // the flag of a HEARTBEAT or ACKNACK
-constexpr std::size_t kFirstAt = 12;               // offset in HEARTBEAT, GAP and ACKNACK
-constexpr std::size_t kMostAcknowledged = 4096;    // pairs of a reader and a writer
+constexpr std::uint8_t kFinal = 2;    // the flag of a HEARTBEAT or ACKNACK
+constexpr std::size_t kFirstAt = 12;  // offset in HEARTBEAT, GAP and ACKNACK
+// Pairs of a reader and a writer, of one participant and of all.
+constexpr std::size_t kMostAcknowledged = 4096, kMostAcknowledgedInAll = 262'144;
 constexpr std::size_t kMostOfOneParticipant = 16;  // addresses
 
 void put(std::span<std::uint8_t> to, std::uint32_t value, bool little) {
@@ -208,6 +209,7 @@ void DatagramGuard::forget(const ParticipantPrefix& prefix) {
   const auto found = participants_.find(prefix);
   if (found == participants_.end()) return;
   endpoints_ -= found->second.endpoints.size();
+  acknowledged_ -= found->second.acknowledged.size();
   participants_.erase(found);
 }
 
@@ -350,9 +352,13 @@ void DatagramGuard::on_acknowledgement(const RtpsEvent& event) {
   const auto of = participants_.find(sender());
   if (of == participants_.end()) return;  // the library ignores it
   auto& known = of->second.acknowledged;
-  if (known.size() >= kMostAcknowledged) known.clear();
+  if (known.size() >= kMostAcknowledged || acknowledged_ >= kMostAcknowledgedInAll) {
+    acknowledged_ -= known.size();
+    known.clear();
+  }
   const auto [found, is_new] =
       known.try_emplace({event.reader, event.writer}, Acknowledged{event.base, event.count});
+  acknowledged_ += is_new ? 1 : 0;
   Acknowledged& last = found->second;
   if (is_new || event.count <= last.count) return;  // the library ignores repetitions
   const bool is_lower = event.base < last.base;

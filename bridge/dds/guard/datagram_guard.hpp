@@ -54,6 +54,8 @@ class DatagramGuard final : private RtpsEvents {
 
   [[nodiscard]] std::size_t participants() const { return participants_.size(); }
   [[nodiscard]] std::size_t endpoints() const { return endpoints_; }
+  // Pairs of a reader and a writer whose acknowledgements are stored.
+  [[nodiscard]] std::size_t acknowledged() const { return acknowledged_; }
 
   // Numbers of one writer in GAPs that the library may hold at a time.
   static constexpr std::int64_t kMostGapped = 65'536;
@@ -129,7 +131,7 @@ class DatagramGuard final : private RtpsEvents {
   const RtpsLimits limits_;
   ParticipantPrefix own_{};
   std::map<ParticipantPrefix, Participant> participants_;
-  std::size_t endpoints_ = 0;
+  std::size_t endpoints_ = 0, acknowledged_ = 0;
   std::uint64_t joined_ = 0;
   std::map<Address, Bucket> joins_;
   std::unordered_map<Seen, Writer, Hash> writers_;

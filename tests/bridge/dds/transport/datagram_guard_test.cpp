@@ -244,6 +244,31 @@ TEST(DatagramGuard, AShortLastFragmentHasRoomForTheListOfTheLibrary) {
   }
 }
 
+// Announcements need no login, so a sender can have as many participants as the limit allows.
+TEST(DatagramGuard, StoredAcknowledgementsOfAllParticipantsAreBounded) {
+  constexpr std::uint32_t kParticipants = 80, kPairs = 4'000, kOfOneDatagram = 2'000;
+  Checked one;
+  for (std::uint32_t participant = 0; participant < kParticipants; ++participant) {
+    ASSERT_EQ(one.cause_of(announcement(numbered(participant))), "none") << participant;
+    Datagram datagram;
+    for (std::uint32_t pair = 0; pair < kPairs; ++pair) {
+      if (pair % kOfOneDatagram == 0) datagram = header(numbered(participant));
+      Datagram body{0, static_cast<std::uint8_t>(pair >> 8), static_cast<std::uint8_t>(pair), 4};
+      put_all(body, kSamplesWriter);
+      put_number(body, 1);
+      put_all(body, words({0, 1}));  // no missing number, count
+      put_submessage(datagram, 0x06, 1, body);
+      if ((pair + 1) % kOfOneDatagram != 0) continue;
+      ASSERT_EQ(one.cause_of(datagram), "none") << pair;
+    }
+  }
+  EXPECT_GT(one.guard.acknowledged(), 200'000U);
+  EXPECT_LT(one.guard.acknowledged(), 270'000U);
+  for (std::uint32_t participant = 0; participant < kParticipants; ++participant)
+    ASSERT_EQ(one.cause_of(goodbye(numbered(participant))), "none");
+  EXPECT_EQ(one.guard.acknowledged(), 0U);
+}
+
 // Regression: a station that was suspended beyond its lease received no discovery of the bridge any
 // more. The bridge had kept the acknowledgements of a reader that the station had created again.
 TEST(DatagramGuard, AReaderThatBeginsAgainReceivesEverythingAgain) {
