@@ -353,6 +353,7 @@ void DdsLink::close(Duration linger, Leave leave) {
     const std::unique_lock lock(state_->mutex);
     buses.swap(state_->buses);
   }
+  state_->prepared.clear();
   for (auto& [name, bus] : buses) bus->blocks.flush();
   if (leave == Leave::kDispose) {
     for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());

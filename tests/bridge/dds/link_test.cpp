@@ -129,6 +129,24 @@ TEST(DdsLink, TheKeyedCatalogueIsSplitAmongWriters) {
   EXPECT_EQ(writers.size(), 3u);
 }
 
+// Stations may join while a standby stops. Its listeners use what is destroyed before the writers.
+TEST(DdsLink, AClosedLinkHasNoWritersOfAPreparedBus) {
+  Domain domain(loopback(), "reader", nullptr);
+  dds::DataReader* const reader =
+      domain.reader(kSampleBlockTopic, nullptr, dds::StatusMask::none());
+  const auto writers = [&] {
+    dds::SubscriptionMatchedStatus status;
+    (void)reader->get_subscription_matched_status(status);
+    return status.current_count;
+  };
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.prepare_bus(bus_of(bus_name("prepared"), 1));
+  ASSERT_TRUE(eventually([&] { return writers() == 1; }));
+  link.close();
+  EXPECT_TRUE(eventually([&] { return writers() == 0; }));
+}
+
 TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
   const std::string bus = bus_name("late");
   Received received;
