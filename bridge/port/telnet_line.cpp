@@ -164,7 +164,7 @@ void TelnetLine::end(Stream::End end) {
 void TelnetLine::close() {
   if (std::exchange(over_, true)) return;
   handlers_ = {};
-  for (const auto& [change, done] : std::exchange(changes_, {})) done(false);
+  for (const auto& [change, done] : std::exchange(changes_, {})) done({});
   timer_.cancel();
   server_ready_.close();
   line_ready_.close();

@@ -226,6 +226,20 @@ TEST_F(Rfc2217PortTest, AnEngineerHearsTheRateThatTheServerHasSet) {
   EXPECT_EQ(in_force, 250'000u);
 }
 
+TEST_F(Rfc2217PortTest, AChangeThatTheServerDoesNotConfirmIsNotInForce) {
+  open();
+  const FileDescriptor line = port.lease();
+  server.silent = true;
+  bool ended = false;
+  std::optional<std::uint32_t> in_force;
+  const auto off = static_cast<std::uint32_t>(telnet::Control::kDtrOff);
+  port.change_line({telnet::Kind::kControl, off},
+                   [&](auto value) { ended = true, in_force = value; });
+  server.close();
+  ASSERT_TRUE(run_until(io, [&] { return ended; }));
+  EXPECT_EQ(in_force, std::nullopt);
+}
+
 TEST_F(Rfc2217PortTest, ItReopensAfterClose) {
   open();
   port.close();
