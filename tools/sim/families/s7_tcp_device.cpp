@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint8_t kConnect = 0xE0, kConfirm = 0xD0, kDataTpdu = 0xF0, kDisconnect = 0x80;
 constexpr std::uint8_t kLastPart = 0x80, kCalledTsap = 0xC2;
-constexpr std::size_t kTpkt = 4, kMostFrame = 1031;
+constexpr std::size_t kTpkt = 4, kConnectHead = 7, kMostFrame = 1031;
 constexpr std::uint16_t kMostMessage = 960;
 
 Bytes tpkt_of(ByteView tpdu) {
@@ -20,7 +20,7 @@ Bytes tpkt_of(ByteView tpdu) {
 
 // LI type destination(2) source(2) class, then parameters: code length value
 std::optional<std::uint16_t> called_tsap(ByteView tpdu) {
-  for (std::size_t at = 7; at + 2 <= tpdu.size(); at += 2 + tpdu[at + 1]) {
+  for (std::size_t at = kConnectHead; at + 2 <= tpdu.size(); at += 2 + tpdu[at + 1]) {
     if (at + 2 + tpdu[at + 1] > tpdu.size()) return std::nullopt;
     if (tpdu[at] == kCalledTsap && tpdu[at + 1] == 2) return read_u16(tpdu, at + 2);
   }
@@ -47,7 +47,8 @@ class S7TcpDevice::Connection : public Receiver {
  private:
   void answer(ByteView tpdu, Instant now, Reaction& reaction) {
     if (tpdu[0] + std::size_t{1} > tpdu.size()) return end_connection(reaction);
-    if (tpdu[1] == kConnect && !connected_) return connect(tpdu, reaction);
+    if (tpdu[1] == kConnect && !connected_ && tpdu.size() >= kConnectHead)
+      return connect(tpdu, reaction);
     const std::size_t header = tpdu[0] + std::size_t{1};
     if (tpdu[1] != kDataTpdu || !connected_ || header != 3 || tpdu[2] != kLastPart)
       return end_connection(reaction);
@@ -73,7 +74,7 @@ class S7TcpDevice::Connection : public Receiver {
       return;
     }
     Bytes confirm{static_cast<std::uint8_t>(tpdu.size() - 1), kConfirm, tpdu[4], tpdu[5], 0, 6, 0};
-    append(confirm, tpdu.subspan(7));
+    append(confirm, tpdu.subspan(kConnectHead));
     reaction.response = tpkt_of(confirm);
   }
 
