@@ -1,6 +1,6 @@
-// Fuzzes address notations, which commands carry from the network: any text for any protocol.
+// Fuzzes address notations, which commands carry from the network: any text for every protocol.
 //
-// Input: one byte that selects the protocol, then the text.
+// Input: the text.
 #include <cstdlib>
 
 #include "config/loader/loader.hpp"
@@ -24,11 +24,7 @@ std::vector<std::unique_ptr<Protocol>> all() {
   return made;
 }
 
-void run_one(ByteView data) {
-  static const auto made = all();
-  if (data.empty()) return;
-  const Protocol& protocol = *made[data[0] % made.size()];
-  const std::string text(data.begin() + 1, data.end());
+void parse(const Protocol& protocol, const std::string& text) {
   const auto parsed = protocol.parse_address(text);
   if (parsed) {
     if (parsed->area >= protocol.areas().size()) std::abort();
@@ -40,6 +36,11 @@ void run_one(ByteView data) {
   const AddressFault& fault = parsed.error();
   if (fault.what.empty() || fault.allowed.empty() || fault.what.size() > 256) std::abort();
   if (!fault.suggestion.empty() && !protocol.parse_address(fault.suggestion)) std::abort();
+}
+
+void run_one(ByteView data) {
+  static const auto made = all();
+  for (const auto& protocol : made) parse(*protocol, std::string(data.begin(), data.end()));
 }
 
 }  // namespace

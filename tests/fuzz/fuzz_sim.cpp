@@ -2,7 +2,9 @@
 // kind of device. A file is valid or has faults with place and reason, and a device sends at most
 // one frame.
 //
-// Input: kind of device, or the file of faults(1), pause in characters(1), then the bytes.
+// Input: a line with the protocol of the device, pause in characters(1), then the bytes; or the line
+// `faults`, then the file.
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -65,12 +67,12 @@ void talk(const DeviceKind& kind, unsigned pause, ByteView bytes) {
 }
 
 void run_sim(ByteView data) {
-  if (data.size() < 2) return;
-  const auto kinds = device_kinds();
-  const std::size_t kind = data[0] % (kinds.size() + 1);
-  const ByteView rest = data.subspan(2);
-  if (kind == kinds.size()) return read_faults(std::string(rest.begin(), rest.end()));
-  talk(kinds[kind], data[1], rest);
+  const auto end = std::ranges::find(data, '\n');
+  const std::string name(data.begin(), end);
+  if (data.end() - end < 2) return;
+  const ByteView rest(end + 1, data.end());
+  if (name == "faults") return read_faults(std::string(rest.begin(), rest.end()));
+  if (const DeviceKind* const kind = find_device_kind(name)) talk(*kind, rest[0], rest.subspan(1));
 }
 
 }  // namespace
