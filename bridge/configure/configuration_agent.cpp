@@ -350,7 +350,8 @@ ConfigurationAgent::Response ConfigurationAgent::scan(const Tree& request, const
 
 void ConfigurationAgent::reloaded(const std::string& refusal) {
   if (!watch_) return;
-  const WatchStep step = configure::reloaded(*watch_, refusal, ports_.clock().instant);
+  const WatchStep step =
+      configure::reloaded(*watch_, without_secrets(refusal), ports_.clock().instant);
   if (step.end == WatchEnd::kRollBack) (void)roll_back(step.reason, "the bridge");
 }
 

@@ -142,6 +142,12 @@ TEST_F(ConfigurationAgentTest, ARefusedReloadRestoresTheFile) {
   EXPECT_THAT(state_of_last(), HasSubstr("no such interface"));
 }
 
+TEST_F(ConfigurationAgentTest, TheReasonOfARefusedReloadShowsNoPassword) {
+  ASSERT_EQ(deploy(more_).first, 200u);
+  agent_->reloaded("b.yaml:3: 'postgresql://anna:s c#t@db/plant' does not respond");
+  EXPECT_THAT(state_of_last(), HasSubstr("'postgresql://anna:__HIDDEN__@db/plant' does not"));
+}
+
 TEST_F(ConfigurationAgentTest, TheSecondEngineerSeesTheConflict) {
   const json mine{
       {"text", std::string(kText) + "# mine\n"}, {"base", version_of(kText)}, {"why", "x"}};
