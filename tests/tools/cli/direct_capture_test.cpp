@@ -1,9 +1,17 @@
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
+#include "core/bus/wire/exchange_driver.hpp"
+#include "core/capture/capture_record.hpp"
 #include "core/capture/pcapng.hpp"
 #include "core/capture/pcapng_reader.hpp"
 #include "tests/tools/cli/direct_fixture.hpp"
+#include "tools/cli/arguments.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -90,6 +98,41 @@ TEST_F(CaptureTest, WithoutAFrameNoFileIsLeft) {
   const auto ended = read({.line = nowhere, .addresses = {"holding:5"}, .capture = path});
   EXPECT_EQ(ended.code, ExitCode::kTrouble);
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+// A line that sends endlessly, and a recorded request without a response.
+TEST(ReplayTest, AnEndlessResponseIsAFault) {
+  namespace ip = boost::asio::ip;
+  Bytes capture;
+  pcapng::append_section(capture, "test", "");
+  pcapng::append_interface(capture, "line", "");
+  const Bytes pdu = make_upper_pdu("mbrtu", "", Direction::kSent, Bytes{1});
+  pcapng::append_packet(
+      capture, {{1'700'000'000'000'000'000}, Direction::kSent, pdu, std::string(kSessionComment)});
+  const std::string path = std::filesystem::temp_directory_path() /
+                           ("fieldcast-replay-" + std::to_string(::getpid()) + ".pcapng");
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(capture.data()),
+             static_cast<std::streamsize>(capture.size()));
+  boost::asio::io_context io;
+  ip::tcp::acceptor acceptor(io, {ip::address_v4::loopback(), 0});
+  std::jthread device([&] {
+    ip::tcp::socket peer = acceptor.accept();
+    boost::system::error_code closed;
+    Bytes bytes(1);
+    boost::asio::read(peer, boost::asio::buffer(bytes), closed);
+    bytes.resize(ExchangeDriver::kMaxReceived);
+    while (!closed) boost::asio::write(peer, boost::asio::buffer(bytes), closed);
+  });
+  const std::string port = "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port());
+  const char* const words[] = {"fieldcast", "replay", path.c_str(), port.c_str()};
+  const auto parsed = parse_arguments(4, words);
+  ASSERT_TRUE(parsed) << parsed.error().text;
+  std::istringstream in;
+  std::ostringstream out, err;
+  EXPECT_EQ((*parsed)->run({in, out, err}), ExitCode::kTrouble);
+  EXPECT_EQ(err.str(), "fieldcast replay: request 1: the line sent more than 8192 bytes\n");
+  std::filesystem::remove(path);
 }
 
 }  // namespace

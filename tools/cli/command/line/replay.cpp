@@ -97,6 +97,9 @@ ExitCode replay(const ReplayOptions& options, const Interrupt& interrupt, const 
     ++number;
     const auto response = line.ask(std::make_unique<Repetition>(step), options.line.timeout);
     if (!response) return failed(response.error());
+    if (response->reply.empty())
+      return failed(fmt::format("request {}: the line sent more than {} bytes", number,
+                                ExchangeDriver::kMaxReceived));
     const Bytes& items = response->reply.front().items;
     if (items == step.response) continue;
     if (++differences > kShown) continue;
