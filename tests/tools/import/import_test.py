@@ -187,6 +187,7 @@ class Output(Imports):
 
     def test_is_never_written_over_or_half(self):
         made, out = self.file("list.csv", self.LIST), self.path("out.yaml")
+        beside = self.file("out.yaml.new", "mine")
         self.assertIn("cannot be moved", run("fieldcast", "import", made, "--out", out).stdout)
         with open(out, encoding="utf-8") as file:
             before = file.read()
@@ -196,6 +197,9 @@ class Output(Imports):
         self.assertEqual(run("fieldcast", "import", made, "--out", out, "--bridge", "x", "--force").returncode, 1)
         with open(out, encoding="utf-8") as file:
             self.assertIn("bridge: x\n", file.read())
+        with open(beside, encoding="utf-8") as file:
+            self.assertEqual(file.read(), "mine")
+        self.assertEqual(sorted(os.listdir(os.path.dirname(out))), ["list.csv", "out.yaml", "out.yaml.new"])
         # The second of two files exists, so neither is written.
         os.mkdir(self.path("folder"))
         self.file("folder/bus-1-list.csv", "mine")

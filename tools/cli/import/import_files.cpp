@@ -141,7 +141,8 @@ tl::expected<std::vector<importing::InputFile>, std::string> read_inputs(
 
 namespace {
 
-std::string beside(const std::string& path) { return path + ".new"; }
+// Not NAME.new, which may be a file of the user.
+std::string beside(const std::string& path) { return fmt::format("{}.{}.new", path, ::getpid()); }
 
 // Returns 0 or an errno. Replaces atomically, only with `replace`.
 int give_name(const std::string& path, bool replace) {
@@ -168,7 +169,6 @@ std::optional<std::string> write_new_files(const std::vector<NewFile>& files, bo
   std::optional<std::string> fault;
   try {
     for (const NewFile& file : files) {
-      ::unlink(beside(file.path).c_str());  // left by a killed run
       security::write_new(beside(file.path), file.text, security::kForAll);
     }
   } catch (const security::SecurityError& error) { fault = error.what(); }

@@ -33,8 +33,8 @@ struct NewFile {
 };
 
 // Writes several files as a unit: all of them completely, or none. Main thread.
-// Writes to PATH.new first, then renames. Never replaces a file without `replace`. Returns one line
-// on failure; then no new file remains.
+// Writes to PATH.PID.new first, then renames. Never replaces a file without `replace`. Returns one
+// line on failure; then no new file remains.
 [[nodiscard]] std::optional<std::string> write_new_files(const std::vector<NewFile>& files,
                                                          bool replace);
 
