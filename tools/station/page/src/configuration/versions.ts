@@ -15,6 +15,8 @@ import { tarOf } from './tar';
 
 const columns = ['configuration.version', 'configuration.when', 'configuration.who', 'configuration.why', 'configuration.state'] as const;
 
+const failed = /^(rolled back|not deployed|not in force)\b/;  // no later version replaced it
+
 export interface VersionsHost {
   bridge: string;
   now(): number;
@@ -51,7 +53,7 @@ export class Versions {
   }
 
   private readonly show = (version: string): Promise<void> => this.run(async () => {
-    const before = this.list?.[this.list.findIndex((each) => each.version === version) + 1];
+    const list = this.list ?? [], before = list.slice(list.findIndex((each) => each.version === version) + 1).find(({ state }) => !failed.test(state));
     const text = (of: string): Promise<string> => api.versionText(this.host.bridge, of);
     this.shown = { version, before: before ? await text(before.version) : '', after: await text(version) };
   });
