@@ -327,6 +327,26 @@ test('a scan shows its progress, and a found address becomes a device', { skip }
   await until(async () => (await text(page)).includes('{ name: carlo-gavazzi-em24, address: 20, template: carlo-gavazzi-em24 }'), 'the device');
 });
 
+test('a scan whose bus is changed shows no device of it under the other bus', { skip }, async () => {
+  const page = await open();
+  let answer;
+  const held = new Promise((resolve) => { answer = resolve; });
+  await page.route('**/api/configuration/scan', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await button(page, 'Add a device').click();
+  await page.keyboard.press('ArrowDown');  // the bus press-shop
+  await button(page, 'Scan').click();
+  await page.getByLabel('Addresses').fill('17-20');
+  await Promise.all([page.waitForRequest('**/api/configuration/scan'), button(page, 'Scan the bus').click()]);
+  await page.locator('.add-device select').first().selectOption('0');
+  await Promise.all([page.waitForResponse('**/api/configuration/scan'), answer()]);
+  await until(() => button(page, 'Scan the bus').isEnabled(), 'the scan has ended');
+  assert.equal(await page.locator('.add-device .picks').count(), 0);
+  await page.context().close();
+});
+
 test('a new meter from a scan to the confirmed deployment: named, its template proposed, at most 12 clicks', { skip }, async () => {
   const page = await open('#/overview'), used = await startCounting(page);
   await page.locator('nav').getByRole('link', { name: 'Configuration' }).click();

@@ -38,7 +38,7 @@ export class AddDevice {
   private address = '';
   private imported: Imported | undefined;
   private fileName = '';
-  private found: readonly Found[] | undefined;
+  private found: Found[] | undefined;
   private range = '1-32';  // addresses of the scan
   private wanted = '';  // protocol that was chosen for the scan
   private picked: Found | undefined;  // of `found`
@@ -193,14 +193,15 @@ export class AddDevice {
   // Part by part, until the last address, a fault, or the end of `scanning`.
   private scan(protocol: string): void {
     const [first = 0, last = first] = this.range.split('-').map(Number);
-    this.found = [];
+    const found: Found[] = this.found = [];
     this.scanning = true;
     void this.run('', async () => {
       for (let next: number | null = first; next !== null && this.scanning;) {
         this.running = t('configuration.scanning', { next, last });
         this.host.draw();
         const part = await api.scan(this.host.bridge, this.busName, protocol, next, last);
-        this.found = [...this.found ?? [], ...part.found];
+        if (this.found !== found) return;  // another bus was chosen
+        found.push(...part.found);
         if (part.error) throw new Error(part.error);
         next = part.next;
       }
