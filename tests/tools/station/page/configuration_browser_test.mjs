@@ -261,6 +261,25 @@ test('a change rolled back by the bridge is reported, and the draft stays', { sk
   assert.match(await text(page), /unit: K/);
 });
 
+test('a deployment without a response in time is watched as soon as it is known', { skip }, async () => {
+  const page = await browser.open('#/configuration/north', { ignore: /504/ });
+  await checked(page);
+  await page.route('**/api/configuration/deploy', async (route) => {
+    await route.fetch();
+    await route.fulfill({ status: 504, json: { error: 'no result came in time', hint: '' } });
+  });
+  await area(page).fill(firstText.replace('unit: °C', 'unit: K'));
+  await until(() => button(page, 'Deploy …').isEnabled(), 'the draft may be deployed');
+  await button(page, 'Deploy …').click();
+  await page.keyboard.type('kelvin');
+  await page.keyboard.press('Enter');
+  await says(page, '.watch', /Version [0-9a-f]{16} is watched/);
+  await says(page, '.tools', /As deployed \(version [0-9a-f]{16}\)/);
+  await button(page, 'Confirm').click();
+  await says(page, '.watch', /confirmed by local/);
+  await page.context().close();
+});
+
 test('the second attempt is rolled back to the version before, not to the first attempt', { skip }, async () => {
   mock.configuration.put(firstText.replace('unit: °C', 'unit: F'), 'otto', 'first attempt');
   mock.configuration.end('rolled back by the bridge: temperature-1 BAD_NO_ANSWER');

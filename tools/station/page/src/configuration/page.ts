@@ -122,13 +122,13 @@ export class ConfigurationPage implements Page {
     this.checkSoon(0);
   }
 
-  // The version in force may have changed. After a return to the former text, the draft stays. A version of another engineer
+  // The version in force may have changed. After a return to the former text, the draft stays; a deployed draft too. A version of another engineer
   // replaces only an unchanged draft; a changed one meets it as a conflict when it is deployed.
   private readAgain(read: Configuration): void {
     this.watching.update(read);
     const { draft } = this;
     if (draft && read.version !== draft.base.version) {
-      if (withoutCr(read.text) === this.former) draft.rebase(read);
+      if ([this.former, draft.text].includes(withoutCr(read.text))) draft.rebase(read);
       else if (!draft.changed) this.adopt(read, true);
       this.parse();
     }
@@ -270,8 +270,8 @@ export class ConfigurationPage implements Page {
     if (!draft || !checked) return;
     const why = await askDeploy(draft, checked);
     if (why === undefined) return;
+    const bad = this.watching.badChannels();
     try {
-      const bad = this.watching.badChannels();
       this.former = draft.base.text;
       const watch = await api.deploy(this.bridge, draft.base.version, draft.written, why);
       this.watching.begin({ ...watch, base: draft.base.version, state: 'watching' }, bad);
@@ -281,6 +281,8 @@ export class ConfigurationPage implements Page {
       const theirs = error instanceof ApiError && error.status === 409 ? error.answer as Partial<Configuration> : undefined;
       if (theirs?.text !== undefined && theirs.version !== undefined) await this.resolveConflict(draft, { text: withoutCr(theirs.text), version: theirs.version });
       else this.context.say(errorText(error), true);
+      // The bridge may have deployed it.
+      if (error instanceof ApiError && [0, 504].includes(error.status) && !this.watching.running) this.watching.begin(undefined, bad);
     }
     this.parse();
     this.focus('.watch');

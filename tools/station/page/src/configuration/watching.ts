@@ -17,6 +17,7 @@ export class Watching {
   private ended = '';  // version and how its watch ended
   private badBefore: number | undefined;  // before a deployment of this page
   private readAt = 0;
+  private unsure = false;  // whether the bridge watches a deployment: it has not responded
 
   // `adopt` is called with each configuration that was read.
   constructor(private readonly context: Context, private readonly bridge: string, private readonly adopt: (read: Configuration) => void,
@@ -30,8 +31,10 @@ export class Watching {
     return [...plant.count()].reduce((sum, [bus, { bad }]) => sum + (plant.buses.get(bus)?.bridge === this.bridge ? bad : 0), 0);
   }
 
-  begin(watch: Watch, badBefore: number): void {
+  // Without `watch`, the next configuration that is read has it.
+  begin(watch: Watch | undefined, badBefore: number): void {
     this.watch = watch;
+    this.unsure = !watch;
     this.badBefore = badBefore;
     this.ended = '';
     this.readAt = performance.now();
@@ -41,6 +44,7 @@ export class Watching {
   update({ watch }: Configuration): void {
     const before = this.watch;
     this.watch = watch ?? undefined;
+    this.unsure = false;
     if (before && !watch) void this.end(before.version);
   }
 
@@ -58,7 +62,7 @@ export class Watching {
   }
 
   tick(): void {
-    if (this.running && performance.now() - this.readAt > readEvery_ms) void this.read();
+    if ((this.running || this.unsure) && performance.now() - this.readAt > readEvery_ms) void this.read();
   }
 
   private async read(): Promise<void> {
