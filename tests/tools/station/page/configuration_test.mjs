@@ -218,14 +218,21 @@ test('typed characters are one step of undo, a form is one of its own', () => {
 });
 
 test('imported texts give devices: of a configuration, or of a list of channels', () => {
-  const found = new_device.importedDevices(firstText, 'x', '1');
+  const found = new_device.importedDevices(firstText, 'x', '1', 'modbus-rtu');
   assert.deepEqual(found.map(({ name }) => name), ['device-01', 'device-02', 'device-01']);
   assert.equal(valueAt(yaml_edit.addItem(firstText, ['buses', 1, 'devices'], found[1].text), 'buses', 1, 'devices', 1, 'channels', 0, 'unit'), '°C');
-  const list = new_device.importedDevices('channels:\n  - { name: flow, at: "holding:0" }\n  - { name: level, at: "holding:1" }\n', 'tank', '4');
+  const list = new_device.importedDevices('channels:\n  - { name: flow, at: "holding:0" }\n  - { name: level, at: "holding:1" }\n', 'tank', '4', 'modbus-rtu');
   const text = yaml_edit.addItem(firstText, ['buses', 0, 'devices'], list[0].text);
   assert.equal(valueAt(text, 'buses', 0, 'devices', 2, 'channels', 1, 'name'), 'level');
   assert.equal(valueAt(text, 'buses', 0, 'devices', 2, 'address'), '4');
-  assert.deepEqual(new_device.importedDevices('nothing: here\n', 'x', '1'), []);
+  assert.deepEqual(new_device.importedDevices('nothing: here\n', 'x', '1', ''), []);
+});
+
+test('imported devices keep the protocol of their bus on a bus of another protocol', () => {
+  const found = new_device.importedDevices(firstText.replace('{ name: device-01, address: 1, template: carlo-gavazzi-em112', '{ name: a, address: 1, protocol: dtc'), 'x', '1', 'modbus-tcp');
+  const text = found.reduce((sum, device) => yaml_edit.addItem(sum, ['buses', 1, 'devices'], device.text), firstText);
+  assert.deepEqual([1, 2, 3].map((index) => valueAt(text, 'buses', 1, 'devices', index, 'protocol')), ['modbus-rtu', 'modbus-rtu', 'dtc']);
+  assert.equal(valueAt(text, 'buses', 1, 'devices', 2, 'channels', 0, 'unit'), '°C');
 });
 
 test('templates are found by maker and model, those of the protocol first', () => {

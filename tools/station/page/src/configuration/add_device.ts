@@ -85,7 +85,7 @@ export class AddDevice {
   }
 
   private items(): ImportedDevice[] {
-    if (this.source === 'file') return this.imported ? importedDevices(this.imported.text, this.name, this.address) : [];
+    if (this.source === 'file') return this.imported ? importedDevices(this.imported.text, this.name, this.address, this.ownProtocol) : [];
     const protocol = this.protocol === this.ownProtocol ? '' : this.protocol;
     return this.template && this.name && this.address ? [{ name: this.name, text: deviceText(this.name, this.address, this.template, protocol) }] : [];
   }

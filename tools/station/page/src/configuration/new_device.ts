@@ -1,7 +1,7 @@
 // The YAML text of a new device, and devices in an imported text. Pure.
 
 import type { Template } from './api';
-import { scalarText } from './yaml_edit';
+import { scalarText, setScalar } from './yaml_edit';
 import { childOf, nodeAt, parseTree, valueAt } from './yaml_tree';
 import type { Node, Path } from './yaml_tree';
 
@@ -27,13 +27,16 @@ export interface ImportedDevice {
 }
 
 // Devices of an imported configuration, or the one that an imported list of channels or a template describes.
-export function importedDevices(text: string, name: string, address: string): ImportedDevice[] {
+// `protocol` is that of their new bus; a device of a bus with a different protocol keeps that.
+export function importedDevices(text: string, name: string, address: string, protocol: string): ImportedDevice[] {
   const tree = parseTree(text), found: ImportedDevice[] = [];
-  const add = (path: Path): void => {
-    for (const { key, node } of nodeAt(tree, path)?.children ?? [])
-      if (node) found.push({ name: valueAt(tree, [...path, key, 'name']) ?? '', text: cut(text, node) });
+  const add = (path: Path, former = protocol): void => {
+    for (const { key, node } of nodeAt(tree, path)?.children ?? []) {
+      const own = valueAt(tree, [...path, key, 'protocol']) ?? former;
+      if (node) found.push({ name: valueAt(tree, [...path, key, 'name']) ?? '', text: own === protocol ? cut(text, node) : setScalar(cut(text, node), ['protocol'], own, false) });
+    }
   };
-  for (const { key } of nodeAt(tree, ['buses'])?.children ?? []) add(['buses', key, 'devices']);
+  for (const { key } of nodeAt(tree, ['buses'])?.children ?? []) add(['buses', key, 'devices'], valueAt(tree, ['buses', key, 'protocol']));
   add(['devices']);
   const channels = childOf(tree, 'channels');
   if (!found.length && channels?.node?.children.length)
