@@ -209,6 +209,30 @@ test('widgets are added, and changed by form and by text', { skip }, async () =>
   await page.context().close();
 });
 
+test('a change made while a save is in flight is not saved, and stays', { skip }, async () => {
+  copyOf('wall', 'three');
+  const page = await browser.open('#/dashboard/three');
+  await edit(page);
+  let answer;
+  const held = new Promise((resolve) => { answer = resolve; });
+  await page.route('**/api/dashboards/save', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.locator('.handle').focus();
+  await page.keyboard.press('ArrowRight');
+  await Promise.all([page.waitForRequest('**/api/dashboards/save'), page.getByRole('button', { name: 'Save', exact: true }).click()]);
+  await page.locator('.handle').focus();
+  await page.keyboard.press('ArrowRight');
+  answer();
+  await until(async () => /Version 2 is saved/.test(await page.textContent('body')), 'the first change is saved');
+  assert.match(await page.locator('.handle').getAttribute('aria-label'), /column 3/);
+  assert.equal(await page.getByRole('button', { name: 'Discard changes' }).count(), 1);
+  await save(page, 'three', 3);
+  assert.equal(saved('three').widgets[0].at[0], 2);
+  await page.context().close();
+});
+
 test('the second of two engineers sees the conflict and keeps the draft', { skip }, async () => {
   copyOf('wall', 'two');
   const page = await browser.open('#/dashboard/two', { ignore: /409/ });

@@ -216,9 +216,11 @@ export class Editor implements HandleOwner {
     try {
       // Under a different name the draft is a copy.
       const { version } = await request<{ version: number }>('/api/dashboards/save', { text: printed(dashboard), base: dashboard.name === name ? base : 0 });
-      Object.assign(this.draft, { base: version, name: dashboard.name, changed: false });
-      this.steps.length = 0;
+      const changed = this.draft.dashboard !== dashboard || this.textDiffers;  // while it was saved
+      Object.assign(this.draft, { base: version, name: dashboard.name, changed });
       this.context.say(t('dashboard.saved', { version }));
+      if (changed) return this.drawTools();
+      this.steps.length = 0;
       this.owner.saved(dashboard);
     } catch (error) {
       this.fault = errorText(error);
