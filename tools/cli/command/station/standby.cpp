@@ -140,6 +140,7 @@ ExitCode take(const StandbyOptions& options, StandbyWatch& members, const GiveUp
   };
   if (!members.request(*request, kRequestLimit) ||
       !members.until(taken, instant_now() + kTakeLimit, give_up)) {
+    if (give_up()) return ExitCode::kInterrupted;
     to.err << fmt::format("fieldcast standby: {} did not hand over; its log says why\n",
                           old.empty() ? "the group has no master, and" : old);
     return ExitCode::kNoResponse;
