@@ -217,6 +217,27 @@ TEST(Doctor, LooksAtThePortsOfTheConfiguration) {
   EXPECT_EQ(doctor({.config = config, .root = machine.root()}).code, ExitCode::kOk);
 }
 
+// As with sudo, where the rights of the current user are those of root.
+TEST(Doctor, ChecksTheRightsOfTheServicesUser) {
+  Machine machine;
+  const std::string port = machine.write("dev/ttyUSB0", "");
+  const std::string config = machine.write("plant.yaml", plant_text("/dev/ttyUSB0"));
+  machine.write("etc/passwd",
+                "other:x:64998:64998::/:/bin/sh\nfieldcast:x:64999:64999::/:/bin/sh\n");
+  const auto rights = [&](const char* permissions, const std::string& members) {
+    fs::permissions(port, static_cast<fs::perms>(std::stoi(permissions, nullptr, 8)));
+    machine.write("etc/group", "line:x:" + std::to_string(::getgid()) + ":" + members + "\n");
+    return doctor({.config = config, .root = machine.root()});
+  };
+  const Said refused = rights("660", "other");
+  EXPECT_EQ(refused.code, ExitCode::kFound);
+  EXPECT_THAT(refused.out, HasSubstr("bus line needs it, and the user fieldcast may not open it"));
+  EXPECT_THAT(refused.out, HasSubstr(" fieldcast, the user that runs the bridge"));
+  EXPECT_EQ(rights("660", "other,fieldcast").code, ExitCode::kOk);
+  EXPECT_EQ(rights("600", "fieldcast").code, ExitCode::kFound);
+  EXPECT_EQ(rights("666", "").code, ExitCode::kOk);
+}
+
 TEST(Doctor, LooksAtTheProfileOfTheConfiguration) {
   Machine machine;
   machine.write("dev/ttyUSB0", "");

@@ -61,9 +61,10 @@ void look_at_port(const SerialPortFacts& port, Findings& found) {
   } else if (!port.readable_and_writable) {
     const std::string group = port.group.empty() ? "dialout" : port.group;
     finding = {Severity::kPrevents, "serial port", port.path,
-               fmt::format("bus {} needs it, and it may not be opened by who asks here", port.bus),
-               fmt::format("usermod -aG {} USER, the user that runs the bridge; then log in again",
-                           group)};
+               fmt::format("bus {} needs it, and {} may not open it", port.bus,
+                           port.user.empty() ? "the current user" : "the user " + port.user),
+               fmt::format("usermod -aG {} {}, the user that runs the bridge; then log in again",
+                           group, port.user.empty() ? "USER" : port.user)};
   }
   found.push_back(finding);
 }

@@ -23,8 +23,9 @@ struct SerialPortFacts {
   std::string bus;
   std::string path;
   bool there = false;
-  bool readable_and_writable = false;  // by the current user
+  bool readable_and_writable = false;  // by `user`
   std::string group;                   // that may open it
+  std::string user = {};               // empty: the current user
 };
 
 struct InterfaceFacts {

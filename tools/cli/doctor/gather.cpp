@@ -4,12 +4,14 @@
 #include <grp.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <pwd.h>
 #include <sys/stat.h>
 #include <sys/timex.h>
 #include <tinyxml2.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -96,6 +98,30 @@ std::vector<AdapterFacts> adapters_of(const Machine& machine) {
   return adapters;
 }
 
+constexpr const char* kServiceUser = "fieldcast";
+
+// Whether the user of the packaged service may read and write the file. Empty without this user.
+// NOLINTBEGIN(concurrency-mt-unsafe): the command has one thread
+std::optional<bool> service_may_use(const Machine& machine, const struct stat& status) {
+  const auto open = [&](const char* path) {
+    return std::unique_ptr<FILE, int (*)(FILE*)>(std::fopen(machine.at(path).c_str(), "re"),
+                                                 [](FILE* file) { return std::fclose(file); });
+  };
+  const auto users = open("/etc/passwd"), groups = open("/etc/group");
+  const passwd* user = nullptr;
+  while (users && (user = ::fgetpwent(users.get())) && user->pw_name != std::string(kServiceUser)) {
+  }
+  if (user == nullptr) return std::nullopt;
+  bool is_member = user->pw_gid == status.st_gid;
+  while (const group* each = groups ? ::fgetgrent(groups.get()) : nullptr) {
+    for (char** name = each->gr_mem; *name != nullptr; ++name)
+      is_member |= each->gr_gid == status.st_gid && *name == std::string(kServiceUser);
+  }
+  const bool is_owner = user->pw_uid == status.st_uid;
+  return ((status.st_mode >> (is_owner ? 6 : is_member ? 3 : 0)) & 6) == 6;
+}
+// NOLINTEND(concurrency-mt-unsafe)
+
 SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
                            const std::string& path) {
   SerialPortFacts facts{.bus = bus, .path = path};
@@ -104,6 +130,12 @@ SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
   facts.there = stat(real.c_str(), &status) == 0;
   if (!facts.there) return facts;
   facts.readable_and_writable = access(real.c_str(), R_OK | W_OK) == 0;
+  // With sudo, the current user is not that of the bridge.
+  const bool is_other = ::getuid() == 0 || !machine.is_this_one();
+  if (const auto may = is_other ? service_may_use(machine, status) : std::nullopt) {
+    facts.readable_and_writable = *may;
+    facts.user = kServiceUser;
+  }
   // NOLINTNEXTLINE(concurrency-mt-unsafe): the command has one thread
   if (const group* owner = getgrgid(status.st_gid)) facts.group = owner->gr_name;
   return facts;
