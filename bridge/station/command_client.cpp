@@ -263,7 +263,7 @@ tl::expected<std::uint64_t, StationFault> CommandClient::write(Message& message,
     const std::lock_guard lock(mutex_);
     awaited_.erase(id);
     kept_.erase(id);
-    return tl::unexpected(StationFault::kNotSent);
+    return tl::unexpected(StationFault::kNotTaken);
   }
   return id;
 }

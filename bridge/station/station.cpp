@@ -122,6 +122,7 @@ std::string_view to_text(StationFault fault) {
     case StationFault::kNoBridge: return "no bridge serves the bus; it was not sent";
     case StationFault::kNoResult: return "no result came in time";
     case StationFault::kNotSent: return "the command does not fit the topic";
+    case StationFault::kNotTaken: return "DDS did not take the command; send it again";
     case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";
     case StationFault::kNoSite: return "of several sites, a bus is named SITE:BUS";
     case StationFault::kNoPerson:

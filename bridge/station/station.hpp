@@ -34,6 +34,7 @@ enum class StationFault : std::uint8_t {
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
   kNoSite,    // of several sites, the bus names none
   kNoPerson,  // the user's name is too long or contains characters that are not allowed
+  kNotTaken,  // DDS did not take it, as bridges do not acknowledge earlier ones
   kNoRight,   // the DDS Security identity of this station may not send commands
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);

@@ -1,15 +1,46 @@
 // Tests that a station is complete after datagrams were lost. Only this process loses datagrams
 // (lossy_receive.hpp), both of the bridge's link and of the station.
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
 #include <map>
 #include <mutex>
 
+#include "bridge/dds/library/fastdds.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 #include "tools/bench/support/lossy_receive.hpp"
+
+namespace {
+
+std::atomic<const char*> refused_topic = "";  // its writers take no message
+
+#if FASTDDS_VERSION_MAJOR >= 3
+using Written = eprosima::fastdds::dds::ReturnCode_t;
+using Data = const void* const;
+constexpr const char* kWrite = "_ZN8eprosima7fastdds3dds10DataWriter5writeEPKv";
+constexpr Written kRefused = eprosima::fastdds::dds::RETCODE_TIMEOUT;
+#else
+using Written = bool;
+using Data = void*;
+constexpr const char* kWrite = "_ZN8eprosima7fastdds3dds10DataWriter5writeEPv";
+constexpr Written kRefused = false;
+#endif
+
+}  // namespace
+
+// Replaces that of the library.
+Written eprosima::fastdds::dds::DataWriter::write(Data data) {
+  if (get_topic()->get_name() == refused_topic.load()) return kRefused;
+  static const auto library =
+      reinterpret_cast<Written (*)(DataWriter*, Data)>(::dlsym(RTLD_NEXT, kWrite));
+  return library(this, data);
+}
 
 namespace fieldcast::testing {
 namespace {
@@ -52,6 +83,17 @@ std::vector<Sample> of_each(std::size_t channels, std::uint64_t sequence) {
   for (std::size_t i = 0; i < channels; ++i)
     samples.push_back(good(static_cast<ChannelIndex>(i), sequence, sequence));
   return samples;
+}
+
+TEST(RefusedWrites, ACommandThatDdsDidNotTakeFits) {
+  const std::string bus = bus_name("refused-command");
+  const Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  refused_topic = kCommandTopic.name;
+  const auto outcome = station.execute(write_running(bus));
+  refused_topic = "";
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error(), StationFault::kNotTaken) << to_text(outcome.error());
 }
 
 // Publishes each channel once in its own block while nothing arrives, in more blocks than the

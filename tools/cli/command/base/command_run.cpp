@@ -129,7 +129,8 @@ bool CommandRun::send(Errand& errand, Duration lifespan) {
     if (sent.error() == StationFault::kNoBridge && instant_now() < until) continue;
     const bool unserved = sent.error() == StationFault::kNoBridge;
     if (unserved) unserved_.insert(errand.command.bus);
-    outcome.state = unserved ? Outcome::State::kNoResult : Outcome::State::kNotSent;
+    outcome.state = unserved || sent.error() == StationFault::kNotTaken ? Outcome::State::kNoResult
+                                                                        : Outcome::State::kNotSent;
     outcome.result.reason = unserved ? not_served_text(connection_, errand.command.bus)
                                      : std::string(to_text(sent.error()));
     return false;
