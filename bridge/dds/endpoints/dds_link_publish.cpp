@@ -1,4 +1,6 @@
 // Publishing of samples, results and reports.
+#include <utility>
+
 #include "bridge/base/check.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/dds_link_state.hpp"
@@ -39,8 +41,9 @@ void DdsLink::publish_each(std::string_view name, std::span<const Sample> sample
                            const UtcMapping& mapping) {
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
-  if (bus == nullptr || bus->samples.write(samples, mapping) || bus->write_failed) return;
-  bus->write_failed = true;  // report the failure once
+  if (bus == nullptr) return;
+  const bool failed = !bus->samples.write(samples, mapping);
+  if (std::exchange(bus->write_failed, failed) || !failed) return;  // report the first of a row
   state_->handlers.on_problem("bus " + std::string(name) +
                               ": DDS did not take a sample; its readers do not acknowledge");
 }

@@ -96,6 +96,27 @@ TEST(RefusedWrites, ACommandThatDdsDidNotTakeFits) {
   EXPECT_EQ(outcome.error(), StationFault::kNotTaken) << to_text(outcome.error());
 }
 
+TEST(RefusedWrites, OfSamplesAreReportedAgainAfterSamplesWereTaken) {
+  const std::string bus = bus_name("refused-samples");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 1));
+  const LastSequences seen(true);
+  link.publish(bus, of_each(1, 1), both_clocks());
+  ASSERT_TRUE(eventually([&] { return seen.at(bus, 1) == 1; }));
+  std::uint64_t sequence = 1;
+  const auto reports_after = [&](const char* topic) {
+    refused_topic = topic;
+    link.publish(bus, of_each(1, ++sequence), both_clocks());
+    refused_topic = "";
+    return received.problems.size();
+  };
+  EXPECT_EQ(reports_after(kSampleTopic.name), 1u);
+  EXPECT_EQ(reports_after(kSampleTopic.name), 1u);
+  EXPECT_EQ(reports_after(""), 1u);
+  EXPECT_EQ(reports_after(kSampleTopic.name), 2u);
+}
+
 // Publishes each channel once in its own block while nothing arrives, in more blocks than the
 // writer keeps. Only a snapshot can provide the first ones.
 TEST(LostBlocks, AStationAsksForASnapshotAndMissesNothing) {
