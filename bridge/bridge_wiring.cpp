@@ -74,6 +74,12 @@ DdsLink::Handlers Bridge::link_handlers() {
     commands_.receive(bus, std::move(command), std::move(late));
   };
   handlers.on_alarm_action = [this](const AlarmAction& action) { commands_.receive(action); };
+  handlers.on_rejected = [this](const std::string& bus, const Command& asked,
+                                const CommandResult& result) {
+    AuditEntry entry = audit_entry(bus, asked);
+    entry.what = "request";
+    audit_.note(std::move(entry), result);
+  };
   handlers.on_interest = [this](const Interest& interest) {
     if (const auto noted = interests_.note(interest.station, interest.pattern, interest.refresh);
         !noted) {

@@ -50,6 +50,15 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
     return entry.what == "write 4711" && entry.target == "two/plc/r1" && entry.result == "done" &&
            entry.number == 1 && !entry.who.empty();
   })) << "a bridge without a store publishes its audit";
+
+  StationCommand malformed = write_to("two", "r1", 4711);
+  malformed.command.values.clear();
+  ASSERT_TRUE(receiver.station.execute(malformed, seconds{10}));
+  EXPECT_TRUE(audit.newest([&](const AuditReport& entry) {
+    return entry.what == "request" && entry.target == "two/plc/r1" &&
+           entry.result == "rejected: a write needs a value" &&
+           entry.who == receiver.station.requester();
+  }));
 }
 
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {

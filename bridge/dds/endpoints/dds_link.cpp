@@ -97,12 +97,12 @@ void DdsLink::State::receive(const Message& message, const RequestOrigin& origin
     return handlers.on_problem("a request under the name of another's requester was dropped");
   results.remember(requester, origin.writer.guidPrefix);
   if (!terms->too_early.empty())
-    return reject(message, {Cause::kExpired, std::move(terms->too_early)});
+    return reject(message, terms->subject, {Cause::kExpired, std::move(terms->too_early)});
   constexpr bool is_command = std::is_same_v<Message, idl::Command>;
   if (!is_command && !terms->late.empty())
-    return reject(message, {Cause::kExpired, std::move(terms->late)});
+    return reject(message, terms->subject, {Cause::kExpired, std::move(terms->late)});
   auto request = from_idl(message);
-  if (!request) return reject(message, request.error());
+  if (!request) return reject(message, terms->subject, request.error());
   request->subject = std::move(terms->subject);
   if constexpr (is_command) {
     request->expires = terms->expires;
@@ -127,14 +127,23 @@ void DdsLink::State::Receivers::close() const {
 }
 
 template <class Message>
-void DdsLink::State::reject(const Message& message, const MalformedCommand& why) {
+void DdsLink::State::reject(const Message& message, const std::string& subject,
+                            const MalformedCommand& why) {
   if (standing_by) return;
   const UtcMapping now = handlers.clock();
   Command refused;
   refused.requester = message.requester().c_str();
   refused.request_id = message.request_id();
+  refused.subject = subject;
+  refused.device = message.device().c_str();
+  if constexpr (std::is_same_v<Message, idl::Command>)
+    refused.target = ChannelTarget{message.target().c_str()};
+  else
+    refused.target = ChannelTarget{message.channel().c_str()};
+  const CommandResult result = rejection(refused, why.cause, why.reason, now.instant);
+  if (handlers.on_rejected) handlers.on_rejected(message.bus().c_str(), refused, result);
   idl::CommandResult out;
-  to_idl(message.bus().c_str(), rejection(refused, why.cause, why.reason, now.instant), now, out);
+  to_idl(message.bus().c_str(), result, now, out);
   results.send(out);
 }
 

@@ -68,6 +68,11 @@ class DdsLink {
     // requester, by DDS Security. `fault`: why it must be refused, or empty. Null: not received.
     std::function<void(ConfigurationMessage request, std::string subject, std::string fault)>
         on_configuration{};
+    // A `Command` or `AlarmAction` that is refused without a call of the handlers above: it is
+    // malformed, or was written before this bridge listened. `asked` has its requester, subject,
+    // device and target. May be null.
+    std::function<void(const std::string& bus, const Command& asked, const CommandResult& result)>
+        on_rejected{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};
   };

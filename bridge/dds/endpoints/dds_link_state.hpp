@@ -114,7 +114,7 @@ struct DdsLink::State {
   Receivers listen(const HeldTo& bus);
   // Responds to requests that are not forwarded: malformed ones and expired alarm actions.
   template <class Message>
-  void reject(const Message& message, const MalformedCommand& why);
+  void reject(const Message& message, const std::string& subject, const MalformedCommand& why);
 
   // Writes the blocks that wait, in as few datagrams as their size allows.
   void write_burst();

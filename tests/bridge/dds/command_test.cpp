@@ -358,6 +358,10 @@ TEST(DdsCommand, OfAClockThatIsBehindIsRefusedWithBothClocks) {
     now.utc.nanoseconds += Duration{10s}.count();  // the station is 10 s behind
     return now;
   };
+  Collected<std::string> rejected;
+  handlers.on_rejected = [&](const std::string& name, const Command& asked, const auto& result) {
+    rejected.add(name + '/' + asked.device + ' ' + asked.requester + ": " + result.reason);
+  };
   std::unique_ptr<DdsLink> link;
   handlers.on_command = [&](const std::string& name, const Command& command, std::string why) {
     if (why.empty()) return late.add("it came in time");
@@ -376,6 +380,7 @@ TEST(DdsCommand, OfAClockThatIsBehindIsRefusedWithBothClocks) {
   EXPECT_EQ(early->state, CommandState::kRejected);
   EXPECT_THAT(early->reason, ::testing::HasSubstr("before this bridge began to listen"));
   EXPECT_THAT(early->reason, ::testing::HasSubstr(both));
+  EXPECT_EQ(rejected.all(), std::vector{bus + "/d " + station.requester() + ": " + early->reason});
   lived = 1h;
   const auto result = station.execute(write_running(bus));
   ASSERT_TRUE(result) << to_text(result.error());
