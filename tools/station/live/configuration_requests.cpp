@@ -5,31 +5,47 @@
 
 namespace fieldcast::web {
 
+namespace {
+
+void run_tasks(BoundedQueue<std::function<void()>>& tasks) {
+  while (const auto task = tasks.take()) {
+    if (!tasks.closed()) (*task)();
+  }
+}
+
+}  // namespace
+
 ConfigurationRequests::ConfigurationRequests(boost::asio::io_context& io, Send send,
                                              std::function<void()> cancel)
     : io_(io),
       send_(std::move(send)),
       cancel_(std::move(cancel)),
-      worker_("configure", kMaxWaiting, [](auto& tasks) {
-        while (const auto task = tasks.take()) {
-          if (!tasks.closed()) (*task)();
-        }
-      }) {}
+      requests_("configure", kMaxWaiting, run_tasks),
+      local_("import", kMaxWaiting, run_tasks) {}
 
 ConfigurationRequests::~ConfigurationRequests() {
-  worker_.queue().close();
+  requests_.queue().close();
+  local_.queue().close();
   cancel_();
 }
 
 bool ConfigurationRequests::send(std::string bridge, std::string request,
                                  std::function<void(Replied)> done) {
   auto replied = std::make_shared<Replied>();
-  return run([this, replied, bridge = std::move(bridge),
-              request = std::move(request)] { *replied = send_(bridge, request); },
-             [replied, done = std::move(done)] { done(std::move(*replied)); });
+  return put(
+      requests_,
+      [this, replied, bridge = std::move(bridge), request = std::move(request)] {
+        *replied = send_(bridge, request);
+      },
+      [replied, done = std::move(done)] { done(std::move(*replied)); });
 }
 
 bool ConfigurationRequests::run(std::function<void()> work, std::function<void()> done) {
+  return put(local_, std::move(work), std::move(done));
+}
+
+bool ConfigurationRequests::put(Tasks& tasks, std::function<void()> work,
+                                std::function<void()> done) {
   std::function<void()> task = [this, weak = std::weak_ptr(open_), work = std::move(work),
                                 done = std::move(done)] {
     work();
@@ -37,7 +53,7 @@ bool ConfigurationRequests::run(std::function<void()> work, std::function<void()
       if (!weak.expired()) done();
     });
   };
-  return worker_.queue().try_put(task);
+  return tasks.queue().try_put(task);
 }
 
 }  // namespace fieldcast::web

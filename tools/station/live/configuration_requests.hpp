@@ -1,5 +1,5 @@
 // Sends requests about configurations to bridges, one after the other, on its own thread, so that
-// the io thread never blocks. Runs on the io thread.
+// the io thread never blocks. Work without a bridge has a second thread. Runs on the io thread.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -32,15 +32,19 @@ class ConfigurationRequests {
   // if too many requests wait; then `done` is not called.
   [[nodiscard]] bool send(std::string bridge, std::string request,
                           std::function<void(Replied)> done);
-  // Does other slow work about configurations on this thread; `done` as above.
+  // Does other slow work about configurations on a thread without bridges; `done` as above.
   [[nodiscard]] bool run(std::function<void()> work, std::function<void()> done);
 
  private:
+  using Tasks = Worker<std::function<void()>>;
+
+  [[nodiscard]] bool put(Tasks& tasks, std::function<void()> work, std::function<void()> done);
+
   boost::asio::io_context& io_;
   const Send send_;
   const std::function<void()> cancel_;
   std::shared_ptr<bool> open_ = std::make_shared<bool>(true);
-  Worker<std::function<void()>> worker_;  // last: its thread uses the members above
+  Tasks requests_, local_;  // last: their threads use the members above
 };
 
 }  // namespace fieldcast::web

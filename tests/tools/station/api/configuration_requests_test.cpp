@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/station/api/api_support.hpp"
@@ -100,6 +102,24 @@ TEST_F(ConfigurationApi, AFaultSaysWhatToDo) {
   const HttpResponse refused = post(check_configuration, {{"bridge", "b"}, {"text", ""}});
   EXPECT_EQ(refused.status, 403u);
   EXPECT_THAT(refused.body, HasSubstr("fieldcast secure add engineer"));
+}
+
+TEST(ConfigurationRequests, OtherWorkDoesNotWaitForASilentBridge) {
+  boost::asio::io_context io;
+  const auto guard = boost::asio::make_work_guard(io);
+  std::promise<void> cancelled;
+  ConfigurationRequests requests{
+      io,
+      [&](const std::string&, const std::string&) -> ConfigurationRequests::Replied {
+        cancelled.get_future().wait();
+        return tl::unexpected(StationFault::kNoResult);
+      },
+      [&] { cancelled.set_value(); }};
+  ASSERT_TRUE(requests.send("b", "{}", [](const auto&) {}));
+  bool done = false;
+  ASSERT_TRUE(requests.run([] {}, [&] { done = true; }));
+  EXPECT_EQ(io.run_one_for(std::chrono::seconds{10}), 1u);
+  EXPECT_TRUE(done);
 }
 
 TEST(DeviceTemplates, HaveMakerModelAndProtocol) {
