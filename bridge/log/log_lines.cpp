@@ -15,6 +15,9 @@ namespace fieldcast {
 LineVerdict LineBudget::occurred(std::string_view kind, Instant now) {
   auto found = entries_.find(kind);
   if (found == entries_.end()) {
+    std::erase_if(entries_, [&](const auto& each) {
+      return each.second.suppressed == 0 && now - each.second.begun >= kPeriod;
+    });
     if (entries_.size() >= kMaxKinds) kind = "others";
     found = entries_.try_emplace(std::string(kind), Entry{now}).first;
   }

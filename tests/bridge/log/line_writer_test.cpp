@@ -179,5 +179,17 @@ TEST(LineBudget, MoreKindsThanItKnowsShareOneBudget) {
   EXPECT_EQ(lines, LineBudget::kMaxKinds + LineBudget::kLines);
 }
 
+TEST(LineBudget, AKindWhosePeriodHasEndedMakesRoomForANewOne) {
+  LineBudget budget;
+  for (unsigned i = 0; i < LineBudget::kMaxKinds; ++i)
+    lines_of(budget, LineBudget::kLines + 1, "module " + std::to_string(i), kStart);
+  EXPECT_EQ(lines_of(budget, 100, "full", kStart), LineBudget::kLines);
+  // What was counted is not lost.
+  EXPECT_EQ(lines_of(budget, 100, "full", kStart + minutes{1}), 0u);
+  EXPECT_EQ(budget.summaries(kStart + minutes{10}).size(), LineBudget::kMaxKinds + 1u);
+  for (const auto* kind : {"logins refused", "interests refused"})
+    EXPECT_EQ(lines_of(budget, 100, kind, kStart + minutes{20}), LineBudget::kLines) << kind;
+}
+
 }  // namespace
 }  // namespace fieldcast
