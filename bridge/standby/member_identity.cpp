@@ -14,6 +14,7 @@
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <type_traits>
 
 namespace fieldcast {
 
@@ -33,6 +34,26 @@ class Sum {
   void add_byte(unsigned char byte) { sum_ = (sum_ ^ byte) * 1099511628211ULL; }
   std::uint64_t sum_ = 14695981039346656037ULL;
 };
+
+template <class... Parts>
+void add_parts(Sum& sum, const Parts&... parts);
+
+template <class Part>
+void add_part(Sum& sum, const Part& part) {
+  if constexpr (requires { part.has_value(); }) {
+    add_part(sum, part.has_value());
+    if (part) add_part(sum, *part);
+  } else if constexpr (std::is_enum_v<Part>) {
+    sum.add(static_cast<std::int64_t>(part));
+  } else {
+    sum.add(fmt::format("{}", part));
+  }
+}
+
+template <class... Parts>
+void add_parts(Sum& sum, const Parts&... parts) {
+  (add_part(sum, parts), ...);
+}
 
 void add(Sum& sum, const ChannelSpec& channel) {
   const Encoding& encoding = channel.encoding;
@@ -56,6 +77,12 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(static_cast<std::int64_t>(channel.mode));
   sum.add(static_cast<std::int64_t>(channel.access));
   sum.add(channel.on_interest ? 1 : 0);
+  const Limits& limits = channel.limits;
+  if (limits != Limits{})
+    add_parts(sum, limits.low_low, limits.low, limits.high, limits.high_high, limits.hysteresis,
+              limits.delay.count(), limits.priority);
+  if (channel.write_min || channel.write_max || channel.write_interval != Duration::zero())
+    add_parts(sum, channel.write_min, channel.write_max, channel.write_interval.count());
 }
 
 std::string boot() {

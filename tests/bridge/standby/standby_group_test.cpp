@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "bridge/base/clock.hpp"
@@ -172,6 +173,25 @@ TEST(CommonConfiguration, IsAnotherWithAnotherFormOfATextOrAnotherMeter) {
     return common_configuration(bridge);
   };
   EXPECT_NE(meter("398192000337"), meter("398192000338"));
+}
+
+TEST(CommonConfiguration, IsAnotherWithOtherLimits) {
+  const auto sum = [](const auto& change) {
+    BridgeSpec bridge = with({});
+    change(bridge.buses[0].devices[0].channels[0]);
+    return common_configuration(bridge);
+  };
+  const std::set<std::string> sums{
+      sum([](ChannelSpec&) {}),
+      sum([](ChannelSpec& channel) { channel.limits.high = 80; }),
+      sum([](ChannelSpec& channel) { channel.limits.high = 81; }),
+      sum([](ChannelSpec& channel) { channel.limits.high_high = 80; }),
+      sum([](ChannelSpec& channel) { channel.limits.priority = AlarmPriority::kLow; }),
+      sum([](ChannelSpec& channel) { channel.write_min = 80; }),
+      sum([](ChannelSpec& channel) { channel.write_max = 80; }),
+      sum([](ChannelSpec& channel) { channel.write_max = 80.5; }),
+      sum([](ChannelSpec& channel) { channel.write_interval = 80ns; })};
+  EXPECT_EQ(sums.size(), 9u);
 }
 
 struct Child {
