@@ -38,11 +38,34 @@ class Sum {
 template <class... Parts>
 void add_parts(Sum& sum, const Parts&... parts);
 
+// Of a declaration: the parts that determine values. With other checksums, baud rates, refusals or
+// rounds of the login, a member may read nothing, but no other values.
 template <class Part>
 void add_part(Sum& sum, const Part& part) {
-  if constexpr (requires { part.has_value(); }) {
+  if constexpr (requires { part.begin(); }) {
+    add_part(sum, part.size());
+    for (const auto& each : part) add_part(sum, each);
+  } else if constexpr (requires { part.has_value(); }) {
     add_part(sum, part.has_value());
     if (part) add_part(sum, *part);
+  } else if constexpr (std::is_same_v<Part, TextNumber>) {
+    add_parts(sum, part.kind, part.decimals, part.leading_zeros, part.plus);
+  } else if constexpr (std::is_same_v<Part, declared::Word>) {
+    add_parts(sum, part.notation, part.characters, part.little_endian, part.sign_bits,
+              part.variable);
+  } else if constexpr (std::is_same_v<Part, declared::Field>) {
+    add_parts(sum, part.name, part.kind, part.word, part.bits, part.shift, part.opens,
+              part.is_signed, part.counts, part.transform.add, part.transform.exor, part.variable,
+              part.text_size, part.text_number, part.text, part.key, part.after, part.until,
+              part.number, part.times, part.plus, part.of.from, part.of.to, part.on, part.off,
+              part.packed, part.separator, part.place, part.exponent, part.sign);
+  } else if constexpr (std::is_same_v<Part, declared::Frame>) {
+    add_parts(sum, part.fields, part.block, part.escape, part.escaped.from, part.escaped.to);
+  } else if constexpr (std::is_same_v<Part, declared::DeclaredArea>) {
+    add_parts(sum, part.prefix, part.base, part.origin, part.item_bits);
+  } else if constexpr (std::is_same_v<Part, declared::Operation>) {
+    add_parts(sum, part.write, part.area, part.command, part.min_count, part.max_count, part.first,
+              part.request, part.response, part.others, part.before);
   } else if constexpr (std::is_enum_v<Part>) {
     sum.add(static_cast<std::int64_t>(part));
   } else {
@@ -143,6 +166,8 @@ std::string common_configuration(const BridgeSpec& spec) {
       sum.add(device.link.address);
       if (!device.link.long_address.empty()) sum.add(device.link.long_address);
       for (const auto& [option, value] : device.link.options) sum.add(option + "=" + value);
+      if (const auto& declaration = device.declaration.value)
+        add_parts(sum, declaration->areas, declaration->operations);
       for (const ChannelSpec& channel : device.channels) add(sum, channel);
     }
   }

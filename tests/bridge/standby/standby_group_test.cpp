@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
@@ -192,6 +193,39 @@ TEST(CommonConfiguration, IsAnotherWithOtherLimits) {
       sum([](ChannelSpec& channel) { channel.write_max = 80.5; }),
       sum([](ChannelSpec& channel) { channel.write_interval = 80ns; })};
   EXPECT_EQ(sums.size(), 9u);
+}
+
+TEST(CommonConfiguration, IsAnotherWithOtherFramesOfADeclaredProtocol) {
+  const auto sum = [](const auto& change) {
+    declared::Declaration declaration;
+    declaration.areas.emplace_back();
+    declaration.operations.emplace_back().response.fields.resize(2);
+    change(declaration);
+    BridgeSpec bridge = with({});
+    bridge.buses[0].devices[0].declaration.value =
+        std::make_shared<const declared::Declaration>(declaration);
+    return common_configuration(bridge);
+  };
+  const auto of_field = [&](const auto& change) {
+    return sum([&](declared::Declaration& declaration) {
+      change(declaration.operations[0].response.fields[1]);
+    });
+  };
+  using declared::Declaration, declared::Field;
+  const std::set<std::string> sums{
+      common_configuration(with({})),
+      sum([](Declaration&) {}),
+      sum([](Declaration& declaration) { declaration.areas[0].origin = 1; }),
+      sum([](Declaration& declaration) { declaration.operations[0].command = 1; }),
+      sum([](Declaration& declaration) { declaration.operations[0].request.fields.resize(1); }),
+      of_field([](Field& field) { field.word.little_endian = true; }),
+      of_field([](Field& field) { field.text_number.decimals = 2; }),
+      of_field([](Field& field) { field.exponent = std::uint8_t{0}; }),
+      of_field([](Field& field) { field.key = "1.8.0"; })};
+  EXPECT_EQ(sums.size(), 9u);
+  // Members of two versions share the sum if only the texts for the user differ.
+  EXPECT_EQ(sum([](Declaration& declaration) { declaration.summary = "a meter"; }),
+            sum([](Declaration&) {}));
 }
 
 struct Child {
