@@ -24,7 +24,9 @@ inline constexpr std::size_t kMaxFaults = 1'000;  // reported together
 
 // Plant:
 inline constexpr std::size_t kMaxBuses = 256;
-inline constexpr std::size_t kMaxDevices = 247;       // of a bus
+inline constexpr std::size_t kMaxDevices = 247;  // of a bus
+// Of a bridge: DeviceStatus has so many instances (kMaxDevices of bridge/dds/topics).
+inline constexpr std::size_t kMaxBridgeDevices = 10'000;
 inline constexpr unsigned kMaxInFlight = 16;          // requests of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;

@@ -56,6 +56,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   if (list == nullptr) return;
   if (!is_list(*list, "buses", 1, kAnyCount, "a list of buses", faults)) return;
   UniqueNames names, paths;
+  std::size_t devices = 0;
   for (const Node* node : list->items) {
     if (spec.buses.size() == kMaxBuses) {
       faults.add(node->position, "too many buses", fmt::format("{} of a bridge", kMaxBuses));
@@ -63,6 +64,12 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
     }
     const auto& bus = spec.buses.emplace_back(read_bus(*node, state));
     names.add("bus", bus.name, node->position, faults);
+    devices += bus.devices.size();
+    if (devices > kMaxBridgeDevices) {
+      faults.add(node->position, "too many devices",
+                 fmt::format("{} of a bridge", kMaxBridgeDevices));
+      return;
+    }
     if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port)) {
       for (const auto& [key, value] : node->entries) {
         if (key->text == "port") paths.add("serial port", serial->path, value->position, faults);

@@ -1,5 +1,6 @@
 #include "config/document/limits.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,6 +76,25 @@ TEST(Limits, ABusHoldsAsManyDevicesAsModbusHasAddresses) {
   EXPECT_EQ(faults_of(load(text)), "");
   EXPECT_EQ(faults_of(load(text + "      - { name: more, address: 248, allow: [raw-read] }\n")),
             "plant.yaml:254:9: too many devices; allowed: 247 of a bus\n");
+}
+
+TEST(Limits, ABridgeHoldsAsManyDevicesAsReportTheirState) {
+  const auto plant_of = [](std::size_t devices) {
+    std::string text = "bridge: b\nbuses:\n";
+    for (std::size_t i = 0; i < devices; ++i) {
+      if (i % 200 == 0)
+        text += fmt::format(
+            "  - name: b{0}\n    port: {{ tcp: \"h:{0}\" }}\n    protocol: modbus-tcp\n"
+            "    devices:\n",
+            i / 200 + 1);
+      text +=
+          fmt::format("      - {{ name: d{0}, address: {0}, allow: [raw-read] }}\n", i % 200 + 1);
+    }
+    return text;
+  };
+  EXPECT_EQ(faults_of(load(plant_of(kMaxBridgeDevices))), "");
+  EXPECT_EQ(faults_of(load(plant_of(kMaxBridgeDevices + 1))),
+            "plant.yaml:10203:5: too many devices; allowed: 10000 of a bridge\n");
 }
 
 TEST(Limits, FaultsEndWithAWordAboutTheRest) {
