@@ -90,10 +90,8 @@ std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
 
 std::string_view fins_end_text(std::uint16_t code) {
   // Codes below 0100 belong to the surrounding frame, except for two FINS codes.
-  if (code == 0x0000) return "normal completion";
-  if (code == 0x0001) return "service interrupted";
   const auto text = device_code_text(kFinsCodes, code);
-  return code < 0x100 || text.empty() ? "unknown end code" : text;
+  return (code > 1 && code < 0x100) || text.empty() ? "unknown end code" : text;
 }
 
 }  // namespace fieldcast::omron

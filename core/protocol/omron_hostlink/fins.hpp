@@ -40,9 +40,15 @@ inline constexpr std::string_view kFinsAddresses[] = {
     "AR3",   "A4",   "DM100",    "D101", "DM102.15", "EM1_100", "EC_5", "E1_102.3",
     "T5",    "TIM6", "C5",       "CNT6", "TF5",      "TIMF6",   "CF5",  "CNTF6"};
 
-// End codes of FINS messages (W227, 5), after those of the Host Link frames.
+// End codes of FINS messages (W227, 5), after those of the Host Link frames. FINS 0001 replaces
+// Host Link 01 (RUN mode), which no frame with FINS brings.
 inline constexpr auto kFinsCodes = joined_codes(
-    kEndCodes,
+    [] {
+      auto codes = kEndCodes;
+      *std::ranges::find(codes, 0x0001, &DeviceCode::code) =
+          DeviceCode{0x0001, "service interrupted", Cause::kDeviceBusy, true};
+      return codes;
+    }(),
     std::array{
         DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},
         DeviceCode{0x0200, "destination cannot be reached", Cause::kDeviceBusy},

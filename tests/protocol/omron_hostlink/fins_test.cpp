@@ -242,6 +242,18 @@ TEST(Fins, ARelayThatGotNoResponseLeavesAWriteInDoubt) {
   EXPECT_EQ(device_code_text(codes, outcome.code), "destination did not respond");
 }
 
+// FINS 0001 has the number of Host Link 01, a refusal in RUN mode (W227, 5-1; W342, 4-3).
+TEST(Fins, AnInterruptedServiceLeavesAWriteInDoubt) {
+  const Device device = plc();
+  const auto exchange = device.begin(device.write("DM0", "00FF"));
+  const Outcome outcome = drive(*exchange, framed("@00FA004000000001020001"));
+  EXPECT_EQ(outcome.cause, Cause::kDeviceBusy);
+  EXPECT_EQ(outcome.code, 0x0001);
+  const auto codes = device.protocol().traits().codes;
+  EXPECT_TRUE(may_have_written(codes, outcome.code));
+  EXPECT_EQ(device_code_text(codes, outcome.code), "service interrupted");
+}
+
 TEST(Fins, ARangeAcrossTwoBanksIsRefused) {
   const Device device = plc();
   EXPECT_TRUE(device.protocol().size(device.read("E0_32766", 2)).has_value());
