@@ -182,6 +182,31 @@ TEST(MtSics, TaresWithoutAValue) {
   EXPECT_EQ(drive(*device.begin(tare), ascii("T I\r\n")).cause, Cause::kDeviceBusy);
 }
 
+// Each command is refused with its own letters, and ES, ET and EL refuse any command.
+TEST(MtSics, RefusesEachCommand) {
+  const Device device = declared_device("mt-sics", 1);
+  const Request tare = device.read("tare-weight", 5), at_once = device.write("tare-at-once", "01"),
+                clear = device.write("clear-tare", "01");
+  const auto end = [&](const Request& request, std::string_view response) {
+    const Outcome outcome = drive(*device.begin(request), ascii(response));
+    return std::pair(outcome.cause, outcome.code);
+  };
+  EXPECT_EQ(device.request_bytes(tare), ascii("TA\r\n"));
+  EXPECT_EQ(device.request_bytes(at_once), ascii("TI\r\n"));
+  EXPECT_EQ(device.request_bytes(clear), ascii("TAC\r\n"));
+  EXPECT_EQ(end(at_once, "TI D     100.00 g\r\n").first, Cause::kNone);
+  EXPECT_EQ(end(clear, "TAC A\r\n").first, Cause::kNone);
+  EXPECT_EQ(end(tare, "TA I\r\n"), std::pair(Cause::kDeviceBusy, std::uint16_t{'I'}));
+  EXPECT_EQ(end(tare, "TA L\r\n"), std::pair(Cause::kDeviceError, std::uint16_t{'L'}));
+  EXPECT_EQ(end(at_once, "TI -\r\n"), std::pair(Cause::kDeviceError, std::uint16_t{'-'}));
+  EXPECT_EQ(end(clear, "TAC I\r\n"), std::pair(Cause::kDeviceBusy, std::uint16_t{'I'}));
+  for (const Request& request : {tare, at_once, clear, device.read("weight", 5)}) {
+    EXPECT_EQ(end(request, "ES\r\n"), std::pair(Cause::kDeviceError, std::uint16_t{'S'}));
+    EXPECT_EQ(end(request, "ET\r\n"), std::pair(Cause::kDeviceBusy, std::uint16_t{'T'}));
+    EXPECT_EQ(end(request, "EL\r\n"), std::pair(Cause::kDeviceError, std::uint16_t{'L'}));
+  }
+}
+
 // Source: frame of a Sensus PolluStat, test/test-frames/SEN_Pollustat.hex of libmbus (rscada).
 constexpr std::string_view kHeatMeter =
     "68 42 42 68 08 08 72 76 00 05 21 18 4E 31 04 51 00 00 00 0C 07 64 08 00 00 0C 14 92 98 79 00 "
