@@ -188,6 +188,44 @@ TEST_F(CommandQueueTest, ARefusedCommandDoesNotCountForTheRateLimit) {
   EXPECT_TRUE(results().empty());
 }
 
+TEST_F(CommandQueueTest, AWriteThatDoesNotRunDoesNotCountForTheRateLimit) {
+  Command waits = write("r2", 1);
+  waits.expires = Instant{100ms};
+  accept(waits);
+  queue_.expire(BusState::kRunning, Instant{100ms}, sink_);
+  ASSERT_EQ(results().size(), 1u);
+  accept(write("r2", 1), {}, Instant{100ms});
+  EXPECT_TRUE(results().empty()) << "the first has expired";
+  queue_.refuse_all(Cause::kOffline, "port is down", Instant{200ms}, sink_);
+  ASSERT_EQ(results().size(), 1u);
+  accept(write("r2", 1), {}, Instant{200ms});
+  EXPECT_TRUE(results().empty()) << "the second was rejected";
+}
+
+TEST_F(CommandQueueTest, AWriteThatIsDisplacedDoesNotCountForTheRateLimit) {
+  for (std::size_t i = 1; i < CommandQueue::kMaxWaiting; ++i) accept(write("r0", i));
+  accept(write("r2", 1));
+  accept(of("b", write("r0", 1)));
+  ASSERT_EQ(results().size(), 1u) << "the newest of the flood";
+  accept(of("b", write("r2", 1)));
+  const auto displaced = results();
+  ASSERT_EQ(displaced.size(), 1u);
+  EXPECT_EQ(displaced[0].cause, Cause::kQueueFull);
+}
+
+TEST_F(CommandQueueTest, AWriteThatExpiresKeepsTheRateLimitOfALaterOne) {
+  Command waits = write("r2", 1);
+  waits.expires = Instant{1500ms};
+  accept(waits);
+  accept(write("r2", 2), {}, Instant{1s});
+  queue_.expire(BusState::kRunning, Instant{1500ms}, sink_);
+  ASSERT_EQ(results().size(), 1u);
+  accept(write("r2", 3), {}, Instant{1500ms});
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].cause, Cause::kRateLimited);
+}
+
 TEST_F(CommandQueueTest, WhoFillsTheQueueIsRefusedAndAnotherIsNot) {
   for (std::size_t i = 0; i < CommandQueue::kMaxWaiting; ++i) accept(write("r0", i));
   EXPECT_TRUE(results().empty());

@@ -23,6 +23,12 @@ bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protoc
   return true;
 }
 
+// Ends the rate limit of a write that does not run. A later write may have set it again.
+void end_interval(std::vector<Instant>& last_write, const CommandJob& job, Instant received) {
+  const auto channel = job.written_channel();
+  if (channel && last_write[*channel] == received) last_write[*channel] = kLongAgo;
+}
+
 // Whether a probe or an unsolicited frame shows that the device is back. A device that is only
 // written has neither: its commands are the only requests that it can respond to.
 bool shows_its_return(const DeviceSpec& device) {
@@ -96,6 +102,7 @@ std::optional<CommandFault> CommandQueue::make_room(const Command& command, Inst
     sink.push(Complete{refusal(newest->job.command(), CommandState::kRejected, Cause::kQueueFull,
                                "the queue is full, and this requester has the most commands in it",
                                newest->received, now)});
+    end_interval(last_write_, newest->job, newest->received);
     left(*newest);
     waiting_.erase(newest);
   }
@@ -305,6 +312,7 @@ void CommandQueue::expire(BusState bus, Instant now, ActionSink& sink) {
   for (auto each = expired; each != waiting_.end(); ++each) {
     sink.push(Complete{refusal(each->job.command(), CommandState::kExpired, Cause::kExpired, reason,
                                each->received, now)});
+    end_interval(last_write_, each->job, each->received);
     left(*each);
   }
   waiting_.erase(expired, waiting_.end());
@@ -327,6 +335,8 @@ void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant no
       result.state = CommandState::kFailed;
       if (each.job.command().operation == Operation::kWrite)
         result.reason += "; unknown whether it took effect";
+    } else {
+      end_interval(last_write_, each.job, each.received);
     }
     sink.push(Complete{std::move(result)});
   }
