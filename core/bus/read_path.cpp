@@ -352,7 +352,7 @@ void ReadPath::update_point(PointIndex index, Instant now) {
   point.mode = Mode::kOnDemand;
   for (const ChannelIndex channel : map_.channels_of[index])
     ask_for(point, channels_.spec(channel), channels_.refresh(channel));
-  scheduler_->set_point(index, point.refresh, point.mode, now);
+  scheduler_->set_point(index, point, now);
 }
 
 std::shared_ptr<PlanDraft> ReadPath::draft() {

@@ -22,13 +22,12 @@ void PlanRunner::set_allowed_gap(PointState& point) const {
   point.deadline += point.allowed_gap - before;
 }
 
-void PlanRunner::set_point(PointIndex of, Duration refresh, Mode mode, Instant now) {
+void PlanRunner::set_point(PointIndex of, const Point& wanted, Instant now) {
   const OrderIndex index = index_of(of);
   PointState& point = state_.points[index];
   const bool was_wanted = point.wanted();
   forget_decisions();
-  point.refresh = std::max(point.least_refresh, refresh);
-  point.mode = mode;
+  require(point, wanted);
   set_allowed_gap(point);
   if (begun_ && !was_wanted) {
     point.due = point.deadline = later(now, point.allowed_gap);

@@ -85,7 +85,7 @@ class PlanRunner {
   std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget);
   void suspend(DeviceIndex device, Instant until);
   [[nodiscard]] Duration slack(Instant now);
-  void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
+  void set_point(PointIndex point, const Point& wanted, Instant now);
   // Returns false if no read uses the area.
   bool set_response_time(DeviceIndex device, AreaIndex area, Duration response_time);
   bool set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);

@@ -57,8 +57,8 @@ void Scheduler::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t it
   if (runner_.set_longest(device, area, items)) stale_ = costs_changed_ = true;
 }
 
-void Scheduler::set_point(PointIndex point, Duration refresh, Mode mode, Instant now) {
-  runner_.set_point(point, refresh, mode, now);
+void Scheduler::set_point(PointIndex point, const Point& wanted, Instant now) {
+  runner_.set_point(point, wanted, now);
   stale_ = true;
 }
 

@@ -53,7 +53,8 @@ class Scheduler {
   [[nodiscard]] bool has_headroom(Instant now, Duration use) const {
     return fieldcast::has_headroom(runner_, now, use);
   }
-  void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
+  // Requirements of a point: its refresh, mode, priority and elasticity.
+  void set_point(PointIndex point, const Point& wanted, Instant now);
 
   // To be made on another thread. Null if there are no changes, or a draft is pending.
   [[nodiscard]] std::unique_ptr<PlanDraft> draft();

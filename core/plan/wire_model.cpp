@@ -26,6 +26,13 @@ WireModel::WireModel(const ScheduleInput& input, Planner of_bus, const CyclicWei
   for (const DeviceTiming& device : input.devices) tails.push_back(input.silence + device.pause);
 }
 
+void require(PlannedPoint& point, const Point& wanted) {
+  point.mode = wanted.mode;
+  point.refresh = std::max(point.least_refresh, wanted.refresh);
+  point.priority = static_cast<std::int8_t>(std::clamp(wanted.priority, -100, 100));
+  point.elasticity = static_cast<float>(std::clamp(wanted.elasticity, 0.1, 10.0));
+}
+
 std::vector<PlannedPoint> planned_points(const ScheduleInput& input, const Layout& layout) {
   std::vector<PlannedPoint> points(input.points.size());
   for (OrderIndex index = 0; index < points.size(); ++index) {
@@ -34,14 +41,11 @@ std::vector<PlannedPoint> planned_points(const ScheduleInput& input, const Layou
     point.first = from.range.first;
     point.end = from.range.end();
     point.area = from.range.area;
-    point.mode = from.mode;
-    point.priority = static_cast<std::int8_t>(std::clamp(from.priority, -100, 100));
-    point.elasticity = static_cast<float>(std::clamp(from.elasticity, 0.1, 10.0));
     const ReadCost& cost = layout.area_runs[layout.area_run_at[index]].cost;
     const auto alone = cost.of_single(cost.cover(point.first, point.end));
     point.readable = alone.has_value();
     point.least_refresh = std::max(Duration{1}, alone.value_or(Duration{1}));
-    point.refresh = std::max(point.least_refresh, from.refresh);
+    require(point, from);
   }
   return points;
 }

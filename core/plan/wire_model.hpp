@@ -43,7 +43,11 @@ struct WireModel {
   }
 };
 
-// By OrderIndex. A refresh below the wire time of its own read is raised to it.
+// Sets mode, refresh, priority and elasticity. A refresh below the wire time of its own read is
+// raised to it.
+void require(PlannedPoint& point, const Point& wanted);
+
+// By OrderIndex.
 [[nodiscard]] std::vector<PlannedPoint> planned_points(const ScheduleInput& input,
                                                        const Layout& layout);
 

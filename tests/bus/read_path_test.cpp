@@ -321,6 +321,41 @@ TEST_F(ReadPathTest, InterestBringsAChannelInAndItsEndTakesItOut) {
   EXPECT_FALSE(std::get<Promise>(actions_[1]).gap);
 }
 
+// Only the second of two channels on one item is wanted: its priority counts under overload.
+TEST(ReadPath, AnItemHasThePriorityOfTheChannelsThatAreWanted) {
+  BusSpec bus = test::rtu_bus(1);
+  for (ChannelIndex i = 0; i < 4; ++i) {
+    ChannelSpec& channel = bus.devices[0].channels[i];
+    channel.range.first = i < 2 ? 200 : 600;
+    channel.on_interest = true;
+    channel.priority = i == 1 ? 10 : 0;
+  }
+  const BusSetup setup{bus};
+  ChannelTable channels{setup.spec()};
+  ReadPath reads{setup, channels};
+  std::uint64_t published = 0;
+  Actions actions;
+  ActionSink sink{setup, published, actions};
+  for (const ChannelIndex wanted : {1u, 2u}) reads.set_interest(wanted, 20ms, Instant{}, sink);
+  const auto draft = reads.draft();
+  ASSERT_NE(draft, nullptr);
+  draft->make();
+  reads.adopt(*draft, Instant{});
+  std::map<std::uint32_t, int> count;
+  for (Instant now{}; now < Instant{10s};) {
+    auto decision = reads.next(now, [](DeviceIndex, const Request&) { return kLongAgo; });
+    if (const auto* rest = std::get_if<Rest>(&decision)) {
+      now = std::max(rest->until, now + 1us);
+      continue;
+    }
+    const Block& block = std::get<Read>(decision).block;
+    ++count[block.ranges[0].first];
+    now += 20ms;
+    reads.responded(block, test::items(Bytes(2 * block.ranges[0].count)), now, now, sink);
+  }
+  EXPECT_GT(count[200], count[600] * 3 / 2) << count[600];
+}
+
 TEST_F(ReadPathTest, InterestChangesOnlyChannelsThatAreReadForIt) {
   reads_.set_interest(0, 100ms, Instant{}, sink_);
   reads_.set_interest(77, 100ms, Instant{}, sink_);

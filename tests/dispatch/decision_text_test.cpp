@@ -70,11 +70,7 @@ class DispatchedBus {
       scheduler().set_longest(loaded_.device(words[1]), area_of(words[1]),
                               static_cast<std::uint32_t>(std::stoul(words[2])));
     else if (event == "refresh")
-      scheduler().set_point(loaded_.point(words[1]), duration_of(words[2]),
-                            words[3] == "scheduled"   ? Mode::kScheduled
-                            : words[3] == "intensive" ? Mode::kIntensive
-                                                      : Mode::kOnDemand,
-                            now_);
+      set_refresh(loaded_.point(words[1]), duration_of(words[2]), words[3]);
     else
       return " !! unknown: " + line + '\n';
     replan(scheduler(), now_);
@@ -82,6 +78,14 @@ class DispatchedBus {
   }
 
  private:
+  void set_refresh(PointIndex point, Duration refresh, const std::string& mode) {
+    Point wanted;
+    wanted.refresh = refresh;
+    wanted.mode = mode == "scheduled"   ? Mode::kScheduled
+                  : mode == "intensive" ? Mode::kIntensive
+                                        : Mode::kOnDemand;
+    scheduler().set_point(point, wanted, now_);
+  }
   Scheduler& scheduler() {
     if (!scheduler_) {
       scheduler_ = std::make_unique<Scheduler>(loaded_.input, loaded_.bus.planner);

@@ -78,8 +78,7 @@ TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {
     for (int change = 0; change < 30; ++change) {
       const auto point = static_cast<PointIndex>(random() % input.points.size());
       input.points[point].mode = random() % 2 ? Mode::kOnDemand : Mode::kScheduled;
-      scheduler->set_point(point, input.points[point].refresh, input.points[point].mode,
-                           wire.now());
+      scheduler->set_point(point, input.points[point], wire.now());
       if (change % 10 == 0) wire.run(50ms);
     }
     if (round % 2)

@@ -218,11 +218,14 @@ TEST(Scheduler, ShorterRefreshTakesEffectImmediately) {
   const auto scheduler = make_scheduler(input);
   VirtualWire wire(input, *scheduler);
   wire.run(5s);
-  scheduler->set_point(0, 100ms, Mode::kScheduled, wire.now());
+  Point wanted = input.points[0];
+  wanted.refresh = 100ms;
+  scheduler->set_point(0, wanted, wire.now());
   wire.forget_gaps();
   wire.run(10s);
   EXPECT_GE(wire.seen(0).count, 100u);
-  scheduler->set_point(0, 10s, Mode::kOnDemand, wire.now());
+  wanted.mode = Mode::kOnDemand;
+  scheduler->set_point(0, wanted, wire.now());
   wire.forget_gaps();
   wire.run(30s);
   EXPECT_EQ(wire.seen(0).count, 0u);
@@ -272,8 +275,12 @@ TEST(Scheduler, AbsurdRefreshesNeitherHangNorStarve) {
   const auto scheduler = make_scheduler(input);
   VirtualWire wire(input, *scheduler);
   wire.run(20s);
-  scheduler->set_point(9, Duration{-5}, Mode::kScheduled, wire.now());
-  scheduler->set_point(10, Duration::max(), Mode::kIntensive, wire.now());
+  Point wanted = input.points[9];
+  wanted.refresh = Duration{-5};
+  scheduler->set_point(9, wanted, wire.now());
+  wanted.refresh = Duration::max();
+  wanted.mode = Mode::kIntensive;
+  scheduler->set_point(10, wanted, wire.now());
   wire.run(20s);
   for (const PointIndex point : {0u, 3u, 9u, 11u}) EXPECT_GT(wire.seen(point).count, 1u) << point;
 }
