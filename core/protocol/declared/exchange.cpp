@@ -286,7 +286,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
   if (search.refusal) {
     const bool busy =
         std::ranges::find(declaration_->busy, search.found->error) != declaration_->busy.end();
-    step = Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error);
+    step = fail(Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error));
   } else {
     reply_.assign(1, {});
     if (!operation_.write) {

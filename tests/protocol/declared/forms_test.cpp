@@ -72,6 +72,32 @@ operations:
   EXPECT_EQ(to_hex(outcome.reply[0].items), to_hex(bytes("303031323334")));
 }
 
+// A device whose session has ended may refuse each request.
+TEST(Login, IsRepeatedAfterARefusal) {
+  const Device device = declared_by(R"(
+summary: a device with a login
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+login: [{ request: [{ name: hello, constant: "L" }, { is: address }], answer: [{ name: welcome, constant: "W" }] }]
+operations:
+  - name: read
+    read: state
+    request: [{ name: ask, constant: "R" }, { is: address }]
+    answer: [{ name: begin, constant: "S" }, { name: level, is: value }]
+errors: { frame: [{ name: refused, constant: "N" }, { name: code, is: error }] }
+)",
+                                    1);
+  Bytes session;
+  const auto sent = [&](std::vector<Bytes> responses) {
+    const auto exchange = device.protocol().begin(device.read("level", 1), {.session = &session});
+    return drive(*exchange, responses).sent;
+  };
+  const Bytes login = bytes("4C01"), request = bytes("5201");
+  EXPECT_EQ(sent({bytes("57"), bytes("5305")}), (std::vector<Bytes>{login, request}));
+  EXPECT_EQ(sent({bytes("4E02")}), (std::vector<Bytes>{request}));
+  EXPECT_EQ(sent({bytes("57"), bytes("5305")}), (std::vector<Bytes>{login, request}));
+}
+
 // Each group has its own checksum, over its own fields.
 TEST(Repeated, SpansNameTheFieldsOfTheirRepetition) {
   const Device device = declared_by(R"(
