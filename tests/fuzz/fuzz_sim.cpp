@@ -2,8 +2,8 @@
 // kind of device. A file is valid or has faults with place and reason, and a device sends at most
 // one frame.
 //
-// Input: a line with the protocol of the device, pause in characters(1), then the bytes; or the line
-// `faults`, then the file.
+// Input: a line with the protocol of the device, pause in characters(1), then the bytes; or the
+// line `faults`, then the file.
 #include <algorithm>
 #include <cstdlib>
 #include <string>

@@ -32,8 +32,8 @@ struct Metric {
 [[nodiscard]] std::vector<Metric> metrics_of(const Notifier* notifier);
 
 // Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
-// never the token. A peer that sends wrong tokens must wait; the audit has the first attempt of each
-// wait.
+// never the token. A peer that sends wrong tokens must wait; the audit has the first attempt of
+// each wait.
 class Tokens {
  public:
   // `database` and `audit` must outlive this object.
