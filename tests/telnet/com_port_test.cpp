@@ -86,5 +86,12 @@ TEST(ComPortMessage, ALineHasAValueForEachSetting) {
   EXPECT_EQ(line, (LineFormat{9600, 8, Parity::kOdd, 1}));
 }
 
+TEST(ComPortMessage, ACommandIsNotASettingOfTheLine) {
+  LineFormat line{9600, 8, Parity::kOdd, 1};
+  EXPECT_EQ(value_of(Kind::kPurge, line), 0u);
+  EXPECT_FALSE(set_value(line, Kind::kPurge, 1));
+  EXPECT_EQ(line, (LineFormat{9600, 8, Parity::kOdd, 1}));
+}
+
 }  // namespace
 }  // namespace fieldcast::telnet

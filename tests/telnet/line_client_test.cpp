@@ -165,5 +165,44 @@ TEST_F(LineClientTest, RespondsToARequestForItsSignature) {
   EXPECT_EQ(receive(hex(option("6B B0"))), "");  // a notification
 }
 
+TEST_F(LineClientTest, AReportedValueHasTheNameOfTheStandard) {
+  agree();
+  const std::pair<const char*, const char*> kReports[] = {
+      {"67 05", "parity space, configured is even"},
+      {"67 09", "parity unknown, configured is even"},
+      {"68 01", "stop bits 1, configured is 2"},
+      {"68 03", "stop bits 1.5, configured is 2"}};
+  for (const auto& [report, text] : kReports) {
+    LineClient client = client_;
+    Bytes out;
+    client.on_bytes(hex(option(report)), data_, out);
+    EXPECT_EQ(client.fault(), std::string("the server reports ") + text);
+  }
+}
+
+TEST_F(LineClientTest, ADisabledBinaryIsARefusal) {
+  receive(hex("FF FE 00"));  // DONT
+  EXPECT_EQ(client_.fault(), "the server refuses BINARY, so it would change bytes of the line");
+}
+
+TEST_F(LineClientTest, SettingsBeforeTheAgreementAndOtherMessagesAreIgnored) {
+  receive(hex(option("65 00 00 25 80")));  // the line of the last client
+  EXPECT_EQ(client_.fault(), "");
+  open();
+  // The sub-option of TERMINAL-TYPE, a message of a client, a baud rate of three bytes.
+  receive(together({"FF FA 18 01 FF F0", option("01 00 00 25 80"), option("65 00 25 80")}));
+  EXPECT_EQ(client_.fault(), "");
+  EXPECT_TRUE(client_.open());
+}
+
+TEST_F(LineClientTest, AConfirmedPurgeIsDoneWhateverItsValue) {
+  open();
+  Bytes out;
+  const LineChange purge{Kind::kPurge, 3};
+  client_.change(purge, kStart, out);
+  receive(hex(option("70 01")));
+  EXPECT_EQ(client_.take_changed(), std::vector{(LineClient::Changed{purge, 3})});
+}
+
 }  // namespace
 }  // namespace fieldcast::telnet

@@ -130,5 +130,22 @@ TEST_F(LineServerTest, TheClientSuspendsDataAndRequestsTheSignature) {
   EXPECT_EQ(receive(hex(option("65 00 00 25 80"))), "");  // a message of a server
 }
 
+TEST_F(LineServerTest, AClientMayEnableTheOptionAtTheServer) {
+  EXPECT_FALSE(server_.com_port());
+  receive(hex("FF FD 2C"));  // DO, without WILL
+  EXPECT_TRUE(server_.com_port());
+}
+
+TEST_F(LineServerTest, OnlyTheBaudRateHasAOneByteForm) {
+  EXPECT_EQ(receive(together({option("01 00"), option("02 00")})),
+            option("65 08") + ' ' + option("66 08"));
+}
+
+TEST_F(LineServerTest, OtherMessagesGetNoResponse) {
+  // The sub-option of TERMINAL-TYPE, a code without a meaning, a request for the line state.
+  EXPECT_EQ(receive(together({"FF FA 18 01 FF F0", option("0D"), option("06")})), "");
+  EXPECT_TRUE(actions_.empty());
+}
+
 }  // namespace
 }  // namespace fieldcast::telnet

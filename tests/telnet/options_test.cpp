@@ -80,5 +80,16 @@ TEST(TelnetOptions, APeerThatNeverStopsGetsNoMoreResponses) {
   EXPECT_EQ(responses, Options::kMaxResponses);
 }
 
+TEST(TelnetOptions, OnlyKnownOptionsAreRequestedAndOnlyARequestIsRefused) {
+  Options options(End::kThere);
+  Bytes out;
+  options.request(31, End::kHere, out);  // NAWS
+  EXPECT_EQ(to_hex(out), "");
+  EXPECT_FALSE(options.enabled(31, End::kHere));
+  EXPECT_FALSE(options.refused(31, End::kHere));
+  EXPECT_EQ(respond(options, Code::kDont, kBinary), "");  // BINARY is off
+  EXPECT_FALSE(options.refused(kBinary, End::kHere));
+}
+
 }  // namespace
 }  // namespace fieldcast::telnet
