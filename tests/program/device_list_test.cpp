@@ -51,11 +51,31 @@ TEST(DeviceList, TheLongestDeviceFitsInAFrame) {
 TEST(DeviceList, OtherCodesAreNotADeviceOrAnEnd) {
   EXPECT_EQ(listed_device_from("LD17:1:7072657373:706c63:"),
             (ListedDevice{"17", "press", "plc", State::kInUse, ""}));
-  for (const char* bad :
-       {"LD", "LD17", "LD17:0:61:62", "LD17:0:61:62::", "LD17:3:61:62:", "LD17:00:61:62:",
-        "LD17::61:62:", "LD:0:61:62:", "LDED:0:61:62:", "LD1 7:0:61:62:", "LD17:0::62:",
-        "LD17:0:61::", "LD17:0:6:62:", "LD17:0:6A:62:", "LD17:0:0a:62:", "LD17:0:61:62:0d", "LE1",
-        "ld17:0:61:62:"}) {
+  for (const char* bad : {"LD",
+                          "LD17",
+                          "LD17:0:61:62",
+                          "LD17:0:61:62::",
+                          "LD17:3:61:62:",
+                          "LD17:00:61:62:",
+                          "LD17::61:62:",
+                          "LD:0:61:62:",
+                          "LDED:0:61:62:",
+                          "LD1 7:0:61:62:",
+                          "LD17:0::62:",
+                          "LD17:0:61::",
+                          "LD17:0:6:62:",
+                          "LD17:0:6A:62:",
+                          "LD17:0:0a:62:",
+                          "LD17:0:61:62:0d",
+                          "LE1",
+                          "ld17:0:61:62:",
+                          "LD17:/:61:62:",
+                          "LD17:0:61:6:",
+                          "LD17:0:61:7f:",
+                          "LD17:0:61:62:6",
+                          "LD17:0:6`:62:",
+                          "LD17:0:6g:62:",
+                          "LD17:0:6/:62:"}) {
     EXPECT_FALSE(listed_device_from(bad)) << bad;
   }
   EXPECT_EQ(list_end_from("LE1024"), 1024u);
@@ -202,6 +222,13 @@ TEST(ListClient, AnInvalidListIsAFault) {
                                     std::string("@@LE1FE@@LE1FEFF"), std::string("@@P1FEFF")}) {
     EXPECT_EQ(end_after(stream).kind, PortEnd::Kind::kProtocol) << stream.substr(0, 40);
   }
+}
+
+TEST(DeviceList, StatesHaveTheTextsOfTheTable) {
+  EXPECT_EQ(to_text(State::kFree), "free");
+  EXPECT_EQ(to_text(State::kInUse), "in use");
+  EXPECT_EQ(to_text(State::kNotOnline), "not online");
+  EXPECT_EQ(to_text(static_cast<State>(3)), "?");
 }
 
 }  // namespace

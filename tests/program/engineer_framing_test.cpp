@@ -129,5 +129,45 @@ TEST(Engineer, AStreamThatMakesNoSenseEndsThePairing) {
   EXPECT_EQ(b.reached(), "");
 }
 
+TEST(Engineer, AnInstructionThatIsTooLongIsDroppedInEitherDirection) {
+  const std::string too_long(kMaxInstruction + 1, 'x');
+  Bench b;
+  b.pair();
+  b.answers(too_long + "\r@00ok*\r");
+  EXPECT_EQ(b.received(), "@@@00ok*\rFEFF");
+  EXPECT_THAT(b.last_remark(), HasSubstr("more than 4096 characters"));
+  b.sends("@@" + too_long + "\rFEFF@@next\rFEFF");
+  EXPECT_EQ(b.reached(), "next\r");
+  EXPECT_TRUE(b.engineer.paired());
+}
+
+TEST(Engineer, AHandshakeThatIsTooLongIsNoise) {
+  Bench b;
+  b.sends("@@" + std::string(kMaxHandshakeCode + 1, '1') + "FEFF");
+  EXPECT_THAT(b.taken, testing::IsEmpty());
+  EXPECT_EQ(b.remarks.front().kind, Remark::Kind::kDropped);
+  EXPECT_EQ(b.last_remark(), "noise instead of frames");
+}
+
+TEST(Engineer, AHeartbeatOfLengthsReachesNoDevice) {
+  Bench b;
+  b.pair("@@V217FEFF");
+  b.tell(FromClient{Bytes{0, 0, 0, 0}});
+  EXPECT_EQ(b.reached(), "");
+  EXPECT_TRUE(b.engineer.paired());
+}
+
+TEST(Engineer, WithFramingByLengthEveryEndDisconnectsOnce) {
+  for (const EngineerEvent& end :
+       {EngineerEvent{ClientGone{"reset"}}, EngineerEvent{Ended{"the bridge stops"}}}) {
+    Bench b;
+    b.pair("@@V217FEFF");
+    b.tell(end);
+    EXPECT_TRUE(b.engineer.over());
+    EXPECT_EQ(b.freed, 1);
+    EXPECT_EQ(b.hung_up, 1);
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast::program

@@ -171,5 +171,48 @@ TEST(Engineer, TheBridgesEndIsReportedToAClient) {
   EXPECT_EQ(b.hung_up, 1);
 }
 
+TEST(Engineer, CodesOfAnEarlierPairingAreIgnoredInTheHandshake) {
+  Bench b;
+  b.sends("@@HBFEFF@@EDFEFF");
+  EXPECT_EQ(b.received(), "");
+  EXPECT_FALSE(b.engineer.over());
+  b.sends("@@AU17FEFF");  // without the colon of a login
+  EXPECT_THAT(b.logins, IsEmpty());
+  EXPECT_THAT(b.taken, ElementsAre("AU17"));
+}
+
+TEST(Engineer, EventsThatNoRequestAwaitsChangeNothing) {
+  Bench b;
+  for (const EngineerEvent& late :
+       {EngineerEvent{LoginChecked{true, ""}}, EngineerEvent{DeviceGiven{}},
+        EngineerEvent{DeviceRefused{Reply::kInUse, ""}}, EngineerEvent{DevicesListed{}},
+        EngineerEvent{FromDevice{as_bytes("late\r")}}, EngineerEvent{DeviceLost{"late"}},
+        EngineerEvent{LineChanged{}}, EngineerEvent{LineState{}}, EngineerEvent{ClientDrains{}},
+        EngineerEvent{DeviceDrains{}}})
+    b.tell(late);
+  EXPECT_EQ(b.received(), "");
+  EXPECT_THAT(b.remarks, IsEmpty());
+  EXPECT_EQ(b.freed + b.hung_up, 0);
+  b.pair();
+  b.answers("");
+  EXPECT_EQ(b.received(), "");
+}
+
+TEST(Engineer, TheBridgesEndFreesADeviceThatIsRequested) {
+  Bench b;
+  b.sends("@@17FEFF");
+  b.tell(Ended{"the bridge stops"});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_EQ(b.hung_up, 1);
+}
+
+TEST(Engineer, WhoFloodsDuringTheCheckOfALoginIsHungUp) {
+  Bench b;
+  b.sends("@@AU616e6e61:736563726574FEFF");
+  b.tell(FromClient{Bytes(Engineer::kMaxEarly + 1, 'x')});
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_EQ(b.freed, 0) << "no device was requested";
+}
+
 }  // namespace
 }  // namespace fieldcast::program

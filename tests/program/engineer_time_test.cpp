@@ -211,5 +211,28 @@ TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
   }
 }
 
+TEST(Engineer, AClientThatNeverReadsIsHungUpBeforeItIsPaired) {
+  EngineerRules rules;
+  rules.handshake = std::chrono::minutes{10};
+  Bench b(rules);
+  b.tell(ClientTakes{false});
+  b.pass(Engineer::kStuckWait + milliseconds{1});
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_EQ(b.freed, 0);
+  EXPECT_THAT(b.last_remark(), HasSubstr("the client takes no bytes for"));
+}
+
+TEST(Engineer, AClientThatReadsAgainStaysPaired) {
+  Bench b;
+  b.pair();
+  b.tell(ClientTakes{false});
+  b.tell(ClientTakes{true});
+  for (int i = 0; i < 20; ++i) {
+    b.sends("@@HBFEFF");
+    b.pass(seconds{5});
+  }
+  EXPECT_EQ(b.freed, 0);
+}
+
 }  // namespace
 }  // namespace fieldcast::program

@@ -56,5 +56,12 @@ TEST(LastRequest, OfAnUnknownProtocolIsNotDecoded) {
   EXPECT_FALSE(last.take());
 }
 
+TEST(LastRequest, AFrameWithoutAnOperationIsNotDecoded) {
+  LastRequest last("s7-ppi", {});
+  last.on_sent(Bytes{0xE5}, kFirst);  // an acknowledgement
+  last.on_received();
+  EXPECT_FALSE(last.take());
+}
+
 }  // namespace
 }  // namespace fieldcast::program

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -113,6 +114,37 @@ TEST(LengthFraming, HalfAHeadOrChunkIsPartial) {
     while (reader.next(in)) {}
     EXPECT_TRUE(reader.partial()) << cut;
   }
+}
+
+TEST(LengthFraming, AfterAWholeFrameNothingIsPartial) {
+  LengthReader reader;
+  EXPECT_FALSE(reader.partial());
+  const Bytes stream = heartbeat_frame(true);
+  ByteView in = stream;
+  ASSERT_TRUE(reader.next(in));
+  EXPECT_FALSE(reader.partial());
+}
+
+TEST(Frames, RepliesHaveFourDigits) {
+  for (const Reply reply :
+       {Reply::kPaired, Reply::kNotOnline, Reply::kInUse, Reply::kLost, Reply::kNotAllowed})
+    EXPECT_EQ(reply_from(to_code(reply)), reply);
+  for (const char* code : {"", "000", "00000", "0005", "000/", "1000", "0010"})
+    EXPECT_EQ(reply_from(code), std::nullopt) << code;
+}
+
+TEST(Frames, EachReplyAndFaultHasItsText) {
+  using testing::HasSubstr;
+  EXPECT_EQ(to_text(Reply::kPaired), "paired");
+  EXPECT_EQ(to_text(Reply::kLost), "the device went offline, or was taken back");
+  EXPECT_EQ(to_text(static_cast<Reply>(9)), "?");
+  EXPECT_THAT(to_text(FrameFault::kNoise), HasSubstr("outside of any frame"));
+  EXPECT_THAT(to_text(FrameFault::kTooLong), HasSubstr("more than 4096 characters"));
+  EXPECT_THAT(to_text(FrameFault::kHalf), HasSubstr("did not come within 2 s"));
+  EXPECT_THAT(to_text(FrameFault::kAmbiguous), HasSubstr("begins like a control frame"));
+  EXPECT_EQ(to_text(FrameFault::kBadLength), "a length that no client sends");
+  EXPECT_EQ(to_text(FrameFault::kBadLine), "line settings that no client sends");
+  EXPECT_EQ(to_text(static_cast<FrameFault>(99)), "?");
 }
 
 }  // namespace

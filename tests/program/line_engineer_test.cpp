@@ -363,5 +363,113 @@ TEST_F(LineEngineerTest, TheEraseKeysOfTheUserNameAreBackspaceAndDelete) {
   EXPECT_EQ(login_, "anna/" + std::string(kMaxLoginText, 'p'));
 }
 
+TEST_F(LineEngineerTest, ACertificateReplacesThePrompt) {
+  for (const bool telnet : {true, false}) {
+    EngineerRules rules;
+    rules.login_needed = rules.by_certificate = true;
+    rules.port = LinePort{"P1", telnet, {}};
+    taken_ = 0;
+    engineer_.emplace(rules, telnet::kStart);
+    tell(TimerFired{});
+    EXPECT_EQ(shown(), "");
+    EXPECT_EQ(taken_, 0) << "before its user is checked";
+    tell(LoginChecked{true, {}});
+    EXPECT_EQ(taken_, 1);
+  }
+}
+
+TEST_F(LineEngineerTest, ThePromptForThePasswordHasTheSameLimit) {
+  make(true, true);
+  type("anna\r");
+  shown();
+  now_ = timer_ - seconds{1};
+  tell(TimerFired{});
+  EXPECT_EQ(hung_up_, 0);
+  now_ += seconds{1};
+  tell(TimerFired{});
+  EXPECT_EQ(shown(), "too late\r\n");
+  EXPECT_EQ(hung_up_, 1);
+}
+
+TEST_F(LineEngineerTest, TheSecondByteOfAReturnIsNotData) {
+  const std::pair<Bytes, std::string_view> kTyped[] = {
+      {hex("0A 41"), "A"}, {hex("00 41"), "A"}, {hex("41"), "A"}, {{}, ""}};
+  for (const auto& [bytes, data] : kTyped) {
+    make(true, true);
+    to_device_.clear();
+    type("anna\rsecret\r");
+    send(bytes);
+    tell(LoginChecked{true, {}});
+    give();
+    EXPECT_EQ(as_text(to_device_), data) << to_hex(bytes);
+  }
+  make(true, true);
+  to_device_.clear();
+  type("anna\rsecret\rA");
+  tell(LoginChecked{true, {}});
+  give();
+  EXPECT_EQ(as_text(to_device_), "A");
+}
+
+TEST_F(LineEngineerTest, ASettingThatTheLineHasAlreadyChangesNothing) {
+  make(true, true);
+  send(telnet::together({option("01 00 00 25 80"), option("02 07")}));
+  type("anna\rsecret\r");
+  tell(LoginChecked{true, {}});
+  give();
+  EXPECT_EQ(changes_, (std::vector{telnet::LineChange{Kind::kDataBits, 7}}));
+}
+
+TEST_F(LineEngineerTest, ARefusalWithoutAReasonHasTheTextOfItsReply) {
+  make(true);
+  tell(DeviceRefused{Reply::kInUse, ""});
+  EXPECT_EQ(remark_, to_text(Reply::kInUse));
+}
+
+TEST_F(LineEngineerTest, ADeviceThatIsLostBeforeItIsGivenEndsTheConnection) {
+  make(true);
+  tell(DeviceLost{"unplugged"});
+  EXPECT_EQ(freed_, 1);
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_THAT(remark_, HasSubstr("the device is lost: unplugged"));
+}
+
+TEST_F(LineEngineerTest, ModemLinesAreForClientsOfRfc2217Only) {
+  for (const bool telnet : {true, false}) {
+    make(telnet);
+    give();
+    said();
+    tell(LineState{.modem = 0xB0});
+    tell(FromDevice{});
+    EXPECT_EQ(said(), "") << telnet;
+  }
+}
+
+TEST_F(LineEngineerTest, AListOfDevicesAndASlowClientWithoutAQueueChangeNothing) {
+  make(true);
+  give();
+  said();
+  const Instant idle = timer_;
+  now_ += seconds{5};
+  tell(ClientDrains{});
+  tell(DevicesListed{});
+  EXPECT_EQ(timer_, idle);
+  EXPECT_EQ(said(), "");
+}
+
+TEST_F(LineEngineerTest, RequestsBehindTheOneThatEndsTheConnectionAreNotExecuted) {
+  make(true);
+  give();
+  tell(ClientTakes{false});
+  const Bytes signature = hex(option("00"));
+  Bytes all;
+  for (std::size_t sent = 0; sent <= LineEngineer::kMaxResponses; sent += signature.size())
+    append(all, signature);
+  append(all, hex(option("02 07")));
+  send(all);
+  EXPECT_EQ(hung_up_, 1);
+  EXPECT_TRUE(changes_.empty());
+}
+
 }  // namespace
 }  // namespace fieldcast::program

@@ -300,5 +300,42 @@ TEST(MarkerFraming, TrafficOfProgrammingSoftwareArrivesAsItWas) {
   EXPECT_GE(carried, 8);
 }
 
+TEST(MarkerFraming, AReaderThatSkipsGivesUpTheWholeInstruction) {
+  MarkerReader reader(Sender::kClient);
+  Read read;
+  Bytes stream = bytes_of("@@");
+  stream.insert(stream.end(), 2 * kMaxInstruction, 'x');
+  read.feed(reader, stream, Phase::kTransmission);
+  EXPECT_TRUE(read.faults.empty());
+  EXPECT_TRUE(reader.partial());
+  EXPECT_FALSE(reader.take_code());
+  const auto half = reader.give_up();
+  ASSERT_TRUE(half);
+  EXPECT_EQ(half->fault, FrameFault::kHalf);
+  EXPECT_EQ(half->bytes, stream.size());
+  read.feed(reader, bytes_of("@@next\rFEFF"), Phase::kTransmission);
+  EXPECT_EQ(as_text(read.program), "next\r");
+}
+
+TEST(MarkerFraming, AWriterDropsAnInstructionThatIsTooLongInPieces) {
+  MarkerWriter writer(Sender::kBridge);
+  EXPECT_FALSE(writer.partial());
+  EXPECT_FALSE(writer.give_up());
+  Bytes out;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(writer.write(Bytes(kMaxInstruction, 'x'), out).empty());
+  EXPECT_TRUE(writer.partial());
+  const auto lost = writer.write(bytes_of("\rnext\r"), out);
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].fault, FrameFault::kTooLong);
+  EXPECT_EQ(lost[0].bytes, 3 * kMaxInstruction + 1);
+  EXPECT_EQ(as_text(out), "@@next\rFEFF");
+  EXPECT_FALSE(writer.partial());
+  ASSERT_TRUE(writer.write(Bytes(kMaxInstruction + 1, 'x'), out).empty());
+  const auto half = writer.give_up();
+  ASSERT_TRUE(half);
+  EXPECT_EQ(half->fault, FrameFault::kHalf);
+  EXPECT_EQ(half->bytes, kMaxInstruction + 1);
+}
+
 }  // namespace
 }  // namespace fieldcast::program

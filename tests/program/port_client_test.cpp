@@ -317,5 +317,99 @@ TEST(SlowPath, IsReportedWithItsTime) {
             "longer response timeout in it");
 }
 
+PortClientRules by_length() {
+  PortClientRules rules;
+  rules.number = "17";
+  return rules;
+}
+
+TEST(PortClient, WithFramingByLengthAStopIsTheLossOfTheDevice) {
+  Bench b(by_length());
+  b.tell(PortClient::Connected{});
+  b.receives("@@0000FEFF");
+  Bytes stream;
+  append_chunks(stream, as_bytes("last"));
+  append(stream, stop_frame(true));
+  b.tell(PortClient::FromBridge{stream});
+  EXPECT_EQ(as_text(b.program), "last");
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kDeviceLost);
+  EXPECT_EQ(b.end->text, to_text(Reply::kLost));
+}
+
+TEST(PortClient, AnInvalidLengthIsAFaultOfTheBridge) {
+  Bench b(by_length());
+  b.tell(PortClient::Connected{});
+  b.receives("@@0000FEFF@@17");  // 40403137h bytes
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kProtocol);
+  EXPECT_TRUE(b.program.empty());
+}
+
+TEST(PortClient, WithFramingByLengthAClosedConnectionIsTheEndOfTheBridge) {
+  Bench b(by_length());
+  b.tell(PortClient::Connected{});
+  b.receives("@@0000FEFF");
+  b.tell(PortClient::BridgeGone{"reset"});
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
+  EXPECT_EQ(b.end->text, "reset");
+}
+
+TEST(PortClient, BeforeItIsPairedItSendsNothingButItsRequest) {
+  Bench b(by_length());
+  b.tell(PortClient::Connected{});
+  (void)b.sent();
+  b.tell(PortClient::LineChanged{{9600, 1}});
+  b.tell(PortClient::FromProgram{as_bytes("early")});
+  b.receives("@@HBFEFF@@17FEFF");  // a heartbeat and a code that is not a reply
+  b.tell(PortClient::TimerFired{});
+  EXPECT_FALSE(b.end);
+  b.tell(PortClient::StopAsked{});
+  EXPECT_EQ(b.sent(), "");
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kStopped);
+}
+
+TEST(PortClient, AfterItsEndNothingIsSentOrReported) {
+  Bench b(by_length());
+  b.tell(PortClient::Connected{});
+  b.tell(PortClient::BridgeGone{"reset"});
+  (void)b.sent();
+  b.end.reset();
+  b.receives("@@0000FEFF");
+  b.tell(PortClient::StopAsked{});
+  EXPECT_FALSE(b.end);
+  EXPECT_EQ(b.sent(), "");
+}
+
+TEST(PortClient, FramingByMarkersHasNoLineSettings) {
+  PortClientRules rules = markers();
+  rules.format = LineFormat{19200, 7, Parity::kEven, 2};
+  Bench b(rules);
+  b.tell(PortClient::Connected{});
+  (void)b.sent();
+  b.receives("@@0000FEFF");
+  b.tell(PortClient::LineChanged{{115200, 1}});
+  EXPECT_EQ(b.sent(), "");
+}
+
+TEST(PortClient, DroppedDataIsReportedInBothDirections) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.receives("@@0000FEFF");
+  (void)b.sent();
+  b.receives("noise@@ok\rFEFF");
+  EXPECT_EQ(b.dropped, 1);
+  EXPECT_EQ(as_text(b.program), "ok\r");
+  b.tell(PortClient::FromProgram{as_bytes(std::string(kMaxInstruction, 'x') + "\rnext\r")});
+  EXPECT_EQ(b.dropped, 2);
+  EXPECT_EQ(b.sent(), "@@next\rFEFF");
+  b.receives("@@half");
+  b.pass(milliseconds{2001});
+  EXPECT_EQ(b.dropped, 3);
+  EXPECT_FALSE(b.end);
+}
+
 }  // namespace
 }  // namespace fieldcast::program

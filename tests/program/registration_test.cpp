@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/codec/checksum.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {
@@ -26,7 +27,7 @@ RegistrationRule words_rule() {
 }
 
 TEST(Registration, ATextEndsAtTheEndOfItsLine) {
-  for (const char* text : {"17\r\n", "\r\n17\n", " 17 \r"}) {
+  for (const char* text : {"17\r\n", "\r\n17\n", " 17 \r", "\t17\t\n"}) {
     Registration registration(kText);
     EXPECT_TRUE(registration.start(kStart).send.empty());
     const auto outcome = registration.on_bytes(raw(text), kStart);
@@ -182,13 +183,56 @@ TEST(Registration, ARefusalOfThePlcIsAFault) {
   EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("refuses"));
 }
 
+TEST(Registration, EndsOfLineAloneAreNotAText) {
+  Registration registration(kText);
+  (void)registration.start(kStart);
+  const auto outcome = registration.on_bytes(raw("\r\n\r\n"), kStart);
+  EXPECT_FALSE(outcome.number || outcome.fault);
+  EXPECT_EQ(registration.on_bytes(raw("17\n"), kStart).number, "17");
+}
+
+TEST(Registration, AFloodInsteadOfWordsIsRefused) {
+  Registration registration(words_rule());
+  (void)registration.start(kStart);
+  const auto outcome = registration.on_bytes(Bytes(Registration::kMaxText + 1, 'x'), kStart);
+  EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("more bytes arrived than a response"));
+}
+
+Bytes modbus(std::string_view hex) {
+  Bytes frame = *from_hex(hex);
+  append_crc16(frame);
+  return frame;
+}
+
+TEST(Registration, AModbusPlcHasItsNumberInRegisters) {
+  RegistrationRule rule = words_rule();
+  rule.protocol = "modbus-rtu";
+  rule.area = "holding:";
+  rule.unit = 17;
+  rule.words = 1;
+  const auto after = [&](std::string_view response) {
+    Registration registration(rule);
+    EXPECT_EQ(registration.start(kStart).send, modbus("11 03 00 64 00 01"));
+    return registration.on_bytes(modbus(response), kStart);
+  };
+  EXPECT_EQ(after("11 03 02 31 37").number, "17");
+  EXPECT_THAT(after("11 83 06").fault.value_or(""),
+              HasSubstr("the PLC refuses to send its number"));
+  EXPECT_THAT(after("11 83 02").fault.value_or(""),
+              HasSubstr("the PLC refuses to send its number"));
+  const auto malformed = after("11 03 04 31 37 31 37");
+  EXPECT_FALSE(malformed.number || malformed.fault);
+  EXPECT_TRUE(malformed.send.empty());
+  EXPECT_GT(malformed.wake, kStart) << "it retries in silence";
+}
+
 TEST(DeviceNumber, IsOneToSixteenLettersOrDigits) {
   for (const char* good :
        {"1", "17", "Press01", "ABCDEFGHIJKLMNOP", "0010", "00012", "000A", "EDX", "FEF", "V1"}) {
     EXPECT_TRUE(is_device_number(good)) << good;
   }
-  for (const char* bad :
-       {"", "ABCDEFGHIJKLMNOPQ", "press-1", "press 1", "\xC3\xA4", "a:b", "1\r"}) {
+  for (const char* bad : {"", "ABCDEFGHIJKLMNOPQ", "press-1", "press 1", "\xC3\xA4", "a:b", "1\r",
+                          "a_b", "a{b", "a@b"}) {
     EXPECT_FALSE(is_device_number(bad)) << bad;
   }
 }

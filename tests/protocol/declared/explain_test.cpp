@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/loader/loader.hpp"
+#include "core/program/last_request.hpp"
 #include "core/protocol/declared/declaration.hpp"
 #include "tests/support/declared_device.hpp"
 
@@ -154,6 +155,20 @@ TEST(Explain, ItemsAndCountsOutsideTheAreaAreFaults) {
   EXPECT_NE(explained(*modbus, "01 03 00 00 00 00 45 CA", Sender::kBridge)
                 .find("count 4+2=0 !! should be 1..125 items"),
             std::string::npos);
+}
+
+TEST(Explain, TheLastRequestOfASessionHasTheNameOfItsOperation) {
+  program::LastRequest last("test", {escaped("slip", "0xC0", "0xC0")});
+  const auto decoded = [&](const std::string& hex) {
+    last.on_sent(*from_hex(hex), {});
+    last.on_received();
+    const auto request = last.take();
+    return request ? request->text : "none";
+  };
+  EXPECT_EQ(decoded("C0 05 C0"), "read, first word:5");
+  EXPECT_EQ(decoded("C0 DB DC C0"), "read, first word:192");
+  EXPECT_EQ(decoded("C0 DB 05 C0"), "none") << "an invalid escape";
+  EXPECT_EQ(decoded("05"), "none");
 }
 
 }  // namespace
