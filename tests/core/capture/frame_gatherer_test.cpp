@@ -148,5 +148,57 @@ TEST_F(FrameGathererTest, ALongCommentIsCutBetweenCharacters) {
   EXPECT_EQ(frames_[0].comment, text);
 }
 
+TEST_F(FrameGathererTest, ARemarkBeforeAnyFrameIsSaidAtTheNextOne) {
+  take_text(Kind::kRemark, 0, "reconnected");
+  take(Kind::kSent, 5, "01 03", "read");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames(), "5 > 01 03 [reconnected\nread]\n");
+}
+
+TEST_F(FrameGathererTest, RemarksBeforeAFrameAreBounded) {
+  const std::string text(FrameGatherer::kMaxComment, 'x');
+  take_text(Kind::kRemark, 0, text);
+  take_text(Kind::kRemark, 1, "left out");
+  take(Kind::kSent, 5, "01");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames_[0].comment, text);
+}
+
+TEST_F(FrameGathererTest, AResponseInFlightIsNotCutBySilence) {
+  take(Kind::kSent, 0, "01 03");
+  take(Kind::kReceived, 5, "01");
+  gatherer_.look(ms(10'000), frames_);
+  EXPECT_EQ(frames(), "0 > 01 03\n");
+  take(Kind::kReceived, 10'001, "83 02");
+  take_text(Kind::kEnded, 10'001);
+  EXPECT_EQ(frames(), "0 > 01 03\n10001 < 01 83 02\n");
+}
+
+TEST_F(FrameGathererTest, ASessionDoesNotContinueARequestOfTheBus) {
+  take(Kind::kSent, 0, "01 03", "read");
+  take_session(Kind::kSent, 1, "40");
+  take(Kind::kSent, 2, "01 04", "read");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames(), "0 > 01 03 [read]\n1 > 40 [by anna]\n2 > 01 04 [read]\n");
+}
+
+TEST_F(FrameGathererTest, AnEndlessRequestOfASessionIsCutIntoFrames) {
+  const Bytes most(FrameGatherer::kMaxFrame, 0x40);
+  gatherer_.take({Kind::kSent, ms(0), 0, most, "by anna", true}, frames_);
+  take_session(Kind::kSent, 1, "41");
+  gatherer_.flush(frames_);
+  ASSERT_EQ(frames_.size(), 2u);
+  EXPECT_EQ(frames_[0].bytes, most);
+  EXPECT_EQ(frames_[1].bytes, Bytes{0x41});
+}
+
+TEST_F(FrameGathererTest, ACaptureThatBeginsInAResponseStartsAtTheNextRequest) {
+  take(Kind::kReceived, 0, "02 00 2A");
+  take(Kind::kSent, 1, "01 03");
+  take(Kind::kReceived, 5, "");
+  take_text(Kind::kEnded, 6);
+  EXPECT_EQ(frames(), "1 > 01 03\n") << "an empty piece is not a frame";
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -410,5 +410,23 @@ TEST(PcapngWriter, LongTextsAreCut) {
   EXPECT_EQ(out.size(), 8u + 16 + 4 + 60'000 + 4 + 4);
 }
 
+TEST(PcapngReader, ALaterSectionThatIsInvalidIsAFaultOfTheFile) {
+  File file;
+  file.section();
+  const std::size_t first = file.whole().size();
+  file.section();
+  File cut = file, magic = file;
+  cut.edit().resize(first + 10);
+  EXPECT_EQ(cut.fault(), Fault::kCut);
+  magic.edit()[first + 8] = 0;
+  EXPECT_EQ(magic.fault(), Fault::kBroken) << "no byte order";
+}
+
+TEST(PcapngReader, EachFaultHasItsText) {
+  EXPECT_EQ(to_text(Fault::kNoCapture), "is no pcapng file");
+  EXPECT_EQ(to_text(Fault::kCut), "is cut in the middle of a block");
+  EXPECT_EQ(to_text(static_cast<Fault>(99)), "?");
+}
+
 }  // namespace
 }  // namespace fieldcast::pcapng

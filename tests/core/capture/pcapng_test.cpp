@@ -183,7 +183,8 @@ TEST(TraceText, ANameLikeATimeIsAName) {
 }
 
 TEST(TraceText, WhatIsNotATraceIsNone) {
-  for (const char* text : {"", "hello", "line >>", "line >> xyz", "a>>b", "line >> 01 0"})
+  for (const char* text :
+       {"", "hello", "line >>", "line >> xyz", "a>>b", "line >> 01 0", "line >>01", "line>> 01"})
     EXPECT_FALSE(parse_trace_text(text)) << text;
 }
 
@@ -212,6 +213,8 @@ TEST(UpperPdu, TagsWithoutAnEndAreRefused) {
   const Bytes odd = *from_hex("00 19 00 03 00 00 01 00 00 00 00");
   ASSERT_TRUE(parse_upper_pdu(odd));
   EXPECT_EQ(parse_upper_pdu(odd)->source_port, std::nullopt) << "a port has four bytes";
+  EXPECT_EQ(parse_upper_pdu(*from_hex("00 1A 00 03 00 00 01 00 00 00 00"))->destination_port,
+            std::nullopt);
 }
 
 }  // namespace

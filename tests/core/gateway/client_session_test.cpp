@@ -162,6 +162,18 @@ TEST_F(ClientSessionTest, BytesThatAreNotModbusTcpEndTheSession) {
   EXPECT_FALSE(valid_);
 }
 
+TEST_F(ClientSessionTest, AnInvalidRequestIsRefusedWithItsException) {
+  EXPECT_EQ(session_.requester(), "gateway 127.0.0.1:40000");
+  EXPECT_EQ(send("00 01 00 00 00 06 01 03 00 05 00 00"), "00 01 00 00 00 03 01 83 03");
+  EXPECT_EQ(counters_.refused_requests, 1u);
+  spec_.writes = true;
+  spec_.rows["unit-1"] = {{.first = 0, .count = 2, .type = ValueType::kFloat32, .at = "DM100"}};
+  EXPECT_EQ(send("00 02 00 00 00 0B 01 10 00 00 00 02 04 7F C0 00 00"),
+            "00 02 00 00 00 03 01 90 03")
+      << "no number";
+  EXPECT_TRUE(commands_.empty());
+}
+
 TEST(Units, AreTheAddressesOrAsConfigured) {
   BusSpec bus;
   bus.gateway.emplace();

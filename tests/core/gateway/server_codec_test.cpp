@@ -43,6 +43,7 @@ TEST(ServerCodec, AFrameIsWholeOrNeedsMoreOrIsNone) {
   EXPECT_EQ(to_hex((*frame)->pdu), "03 00 6B 00 03");
   EXPECT_EQ((*frame)->size, 12u);
   EXPECT_EQ(first_frame(hex("00 01 00 01 00 06")).error(), FrameFault::kProtocol);
+  EXPECT_EQ(first_frame(hex("00 01 01 00 00 06")).error(), FrameFault::kProtocol);
   EXPECT_EQ(first_frame(hex("00 01 00 00 00 01")).error(), FrameFault::kLength) << "no function";
   EXPECT_EQ(first_frame(hex("00 01 00 00 00 FF")).error(), FrameFault::kLength) << "254 bytes";
   EXPECT_TRUE(first_frame(hex("00 01 00 00 00 FE"))) << "unit and 253 bytes";
@@ -159,7 +160,11 @@ TEST(ServerCodec, InvalidRequestsGetTheExceptionOfTheStandard) {
   EXPECT_EQ(fault_of("17 00 03 00 06 00 0E 00 02 02 00 FF"), Exception::kIllegalValue)
       << "byte count";
   EXPECT_EQ(fault_of("17 00 03 00 06 00 0E 00 00 00"), Exception::kIllegalValue);
+  EXPECT_EQ(fault_of("17 00 03 00 00 00 0E 00 01 02 00 FF"), Exception::kIllegalValue)
+      << "nothing to read";
   EXPECT_EQ(fault_of("17 FF FF 00 02 00 0E 00 01 02 00 FF"), Exception::kIllegalAddress);
+  EXPECT_EQ(fault_of("17 00 03 00 02 FF FF 00 02 04 00 FF 00 FF"), Exception::kIllegalAddress);
+  EXPECT_EQ(fault_of("00 00 00 00 01"), Exception::kIllegalFunction);
   EXPECT_EQ(fault_of("03 FF FF 00 02"), Exception::kIllegalAddress);
   EXPECT_TRUE(decode(hex("03 FF FF 00 01")));
   EXPECT_TRUE(decode(hex("01 00 00 07 D0")));
@@ -177,6 +182,13 @@ TEST(ServerCodec, AResponseIsThatOfTheDevice) {
   bits[0] = bits[2] = bits[3] = bits[6] = bits[7] = bits[8] = Value{true};
   EXPECT_EQ(response_of("01 00 13 00 0A", done(bits)), "12 34 00 00 00 05 11 01 02 CD 01");
   EXPECT_EQ(response_of("05 00 AC FF 00", done()), "12 34 00 00 00 06 11 05 00 AC FF 00");
+  EXPECT_EQ(response_of("05 00 AC 00 00", done()), "12 34 00 00 00 06 11 05 00 AC 00 00");
+  CommandResult verified = done();
+  verified.state = CommandState::kVerified;
+  EXPECT_EQ(response_of("05 00 AC FF 00", verified), "12 34 00 00 00 06 11 05 00 AC FF 00");
+  EXPECT_EQ(response_of("03 00 6B 00 01", done({Value{std::string("text")}})),
+            "12 34 00 00 00 03 11 83 04")
+      << "no register";
   EXPECT_EQ(response_of("06 00 01 12 34", done()), "12 34 00 00 00 06 11 06 00 01 12 34");
   EXPECT_EQ(response_of("10 00 01 00 02 04 00 0A 01 02", done()),
             "12 34 00 00 00 06 11 10 00 01 00 02");
@@ -214,6 +226,11 @@ TEST(ServerCodec, EachCauseHasItsException) {
   for (const auto& [exception, causes] : kExceptions) {
     for (const Cause cause : causes) EXPECT_EQ(code_of(cause), exception) << to_text(cause);
   }
+}
+
+TEST(ServerCodec, AnInvalidFrameHasItsReason) {
+  EXPECT_EQ(to_text(FrameFault::kProtocol), "the protocol identifier is not 0");
+  EXPECT_EQ(to_text(FrameFault::kLength), "the length is not that of a Modbus frame");
 }
 
 }  // namespace
