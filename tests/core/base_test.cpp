@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string_view>
 
 #include "core/base/bytes.hpp"
@@ -21,6 +22,7 @@ TEST(Hex, RoundTrips) {
   EXPECT_EQ(from_hex("01 03 ff"), bytes);
   EXPECT_EQ(from_hex("0x01,0x03,0xFF"), bytes);
   EXPECT_EQ(from_hex("01:03-FF"), bytes);
+  EXPECT_EQ(from_hex("0X01\t03\r\nFF"), bytes);
 }
 
 TEST(Hex, RefusesOddAndForeignDigits) {
@@ -122,6 +124,31 @@ TEST(Checksum, BytesAndTheirLrcAddUpToZero) {
 TEST(Checksum, XorOfHostLinkText) {
   // `@00RD0150000351*`: a published read of D0150 (xamidimura roof_control, Host Link tests).
   EXPECT_EQ(xor8(text("@00RD01500003")), 0x51);
+}
+
+TEST(Checksum, TheTablesAreThoseOfTheBitwiseCrc) {
+  const auto made = std::make_unique<detail::Crc16Tables>();
+  EXPECT_EQ(made->of, detail::kCrc16Tables.of);
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    unsigned crc = byte;
+    for (int bit = 0; bit < 16; ++bit) {
+      if (bit == 8) { EXPECT_EQ(made->of[0][byte], crc) << byte; }
+      crc = (crc & 1u) != 0 ? crc >> 1 ^ 0xA001u : crc >> 1;
+    }
+    EXPECT_EQ(made->of[1][byte], crc) << byte;
+  }
+}
+
+TEST(Qualities, HaveTheNamesOfTheTopics) {
+  EXPECT_EQ(to_text(Quality::kGood), "GOOD");
+  EXPECT_EQ(to_text(Quality::kUncertain), "UNCERTAIN");
+  EXPECT_EQ(to_text(Quality::kBadNoResponse), "BAD_NO_ANSWER");
+  EXPECT_EQ(to_text(Quality::kBadFrame), "BAD_FRAME");
+  EXPECT_EQ(to_text(Quality::kBadDeviceError), "BAD_DEVICE_ERROR");
+  EXPECT_EQ(to_text(Quality::kBadRange), "BAD_RANGE");
+  EXPECT_EQ(to_text(Quality::kBadConfiguration), "BAD_CONFIGURATION");
+  EXPECT_EQ(to_text(Quality::kNotYetRead), "NOT_YET_READ");
+  EXPECT_EQ(to_text(static_cast<Quality>(99)), "?");
 }
 
 }  // namespace

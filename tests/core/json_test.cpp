@@ -118,5 +118,22 @@ TEST(JsonText, AJoinedObjectHasTheMembersOfBoth) {
   EXPECT_EQ(json_joined(one, none), one);
 }
 
+TEST(Json, AnOptionalHasItsValueOrNull) {
+  EXPECT_EQ(Json(std::optional<double>(2.5)).text(), "2.5");
+  EXPECT_EQ(Json(std::optional<std::string>("a")).text(), R"("a")");
+  EXPECT_EQ(Json(std::optional<std::string>()).text(), "null");
+}
+
+TEST(JsonText, AnObjectHoldsValuesOfEachKind) {
+  EXPECT_EQ(JsonObject()
+                .add("off", false)
+                .add_value("bool", false)
+                .add_value("text", std::string("a\r\n"))
+                .add_value("bytes", std::string("a\xE4"))
+                .add_value("number", 0.5)
+                .take(),
+            R"({"off":false,"bool":false,"text":"a\r\n","bytes":"a\\xE4","number":0.5})");
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -175,5 +175,17 @@ TEST(Lzw, ABombGivesWhatItSaysOrAFault) {
   EXPECT_FALSE(decoded(endless, 4096).has_value());
 }
 
+TEST(Lzw, EachFaultHasItsText) {
+  EXPECT_EQ(to_text(LzwFault::kTooLong), "the original is longer than 4096 bytes");
+  EXPECT_EQ(to_text(LzwFault::kTail), "bytes or bits behind the last code");
+  EXPECT_EQ(to_text(static_cast<LzwFault>(99)), "unknown");
+}
+
+// An encoder never writes so many codes for 4096 bytes, but the codes are valid.
+TEST(Lzw, CodesBehindTheLastEntryHaveTheWidthOfTheLast) {
+  const std::vector<unsigned> alone(2 * kLzwMaxOriginal, 5);
+  EXPECT_EQ(decoded(packed(alone), kLzwMaxOriginal), Bytes(kLzwMaxOriginal, 0x55));
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -35,6 +35,9 @@ TEST(ShownDigits, OfAnIntegerAreThoseOfItsScaleAndOffset) {
 TEST(ShownDigits, AreUnknownWithoutAResolution) {
   EXPECT_EQ(resolution(scaled(0.1, 0, ValueType::kFloat32)), -1);
   EXPECT_EQ(resolution(scaled(1, 0, ValueType::kBool)), -1);
+  EXPECT_EQ(resolution(scaled(0.1, 0, ValueType::kFloat64)), -1);
+  EXPECT_EQ(resolution(scaled(1, 0, ValueType::kString)), -1);
+  EXPECT_EQ(resolution(scaled(0)), -1);
   EXPECT_EQ(resolution(scaled(1e-12)), -1);
   ChannelSpec exponent = scaled(0.1);
   exponent.encoding.exponent_distance = 4;

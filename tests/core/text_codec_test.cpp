@@ -58,6 +58,7 @@ TEST(PlainTextCodec, KnowsUtf8AndLatinOneBothWays) {
   EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "5 €"), std::nullopt);
   EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "\xE4"), std::nullopt) << "no UTF-8";
   EXPECT_EQ(codec.from_utf8(Charset::kUtf8, "\xE4"), std::nullopt);
+  EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "\u0100"), std::nullopt) << "beyond U+00FF";
 }
 
 TEST(PlainTextCodec, OfSetsWithTablesKnowsAsciiAlone) {
@@ -73,6 +74,7 @@ TEST(PlainTextCodec, EachSetHasTheNameOfItsKey) {
                                                         {Charset::kGbk, "gbk"},
                                                         {Charset::kShiftJis, "shift-jis"}};
   for (const auto& [charset, name] : kRows) EXPECT_EQ(to_text(charset), name);
+  EXPECT_EQ(to_text(static_cast<Charset>(99)), "?");
 }
 
 TEST(StringChannel, IsTranscodedBothWaysAndItsBytesAreCounted) {

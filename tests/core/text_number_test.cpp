@@ -245,5 +245,66 @@ TEST(DurationText, ANumberAloneIsSecondsWhereThatIsSaid) {
   EXPECT_FALSE(read_duration("-1", {0s, 1h, true}));
 }
 
+TEST(DurationText, NoUnitIsSuggestedWhereNoneFits) {
+  const auto suggestion = [](std::string_view text) {
+    return read_duration(text, {2h, 3h}).error().suggestion;
+  };
+  EXPECT_EQ(suggestion("500"), "");
+  EXPECT_EQ(suggestion("150"), "150min");
+  EXPECT_EQ(suggestion("2"), "2h");
+  EXPECT_EQ(fault_text("-5", read_duration("-5", {2h, 3h}).error()).substr(0, 16),
+            "'-5' is negative");
+  EXPECT_EQ(fault_text("-x", read_duration("-x", {2h, 3h}).error()).substr(0, 19),
+            "'-x' is no duration");
+}
+
+TEST(TextNumber, PaddingIsBlanksTabsAndZeroBytes) {
+  EXPECT_EQ(read(ValueType::kInt16, kDecimal, "\t42\t"), Value{std::int64_t{42}});
+  EXPECT_EQ(read(ValueType::kInt16, kDecimal,
+                 std::string_view("\0\0"
+                                  "42",
+                                  4)),
+            Value{std::int64_t{42}});
+}
+
+TEST(TextNumber, WholeNumbersHaveTheLimitsOfTheirTypes) {
+  const auto range = tl::unexpected(Cause::kRange);
+  EXPECT_EQ(read(ValueType::kInt64, kDecimal, "-9223372036854775808"), Value{INT64_MIN});
+  EXPECT_EQ(read(ValueType::kInt64, kDecimal, "-9223372036854775809"), range);
+  EXPECT_EQ(read(ValueType::kInt64, kDecimal, "9223372036854775808"), range);
+  EXPECT_EQ(read(ValueType::kUint64, kDecimal, "18446744073709551616"), range);
+  EXPECT_EQ(read(ValueType::kFloat64, kDecimal, std::string(64, '0')), Value{0.0});
+  EXPECT_EQ(read(ValueType::kFloat64, kDecimal, std::string(65, '0')), range);
+  EXPECT_EQ(read(ValueType::kFloat64, kDecimal, "1.5E3x"), range);
+  EXPECT_EQ(read(ValueType::kFloat64, kDecimal, "1.5E3"), Value{1500.0});
+}
+
+TEST(TextNumber, HexHasBothSpellingsOfItsMarks) {
+  constexpr TextNumber hex{.kind = Kind::kHex};
+  EXPECT_EQ(read(ValueType::kUint16, hex, "0X1F"), Value{std::uint64_t{31}});
+  EXPECT_EQ(read(ValueType::kUint16, hex, "1FH"), Value{std::uint64_t{31}});
+  EXPECT_EQ(read(ValueType::kUint64, hex, "FFFFFFFFFFFFFFFF"), Value{UINT64_MAX});
+  EXPECT_EQ(read(ValueType::kUint64, hex, "10000000000000000"), tl::unexpected(Cause::kRange));
+}
+
+TEST(TextNumber, AnIntegerGetsTheDecimalsOfThePicture) {
+  const TextNumber form = text_number_from_picture("000.00").value();
+  EXPECT_EQ(written(ValueType::kInt16, form, 6, std::int64_t{5}), "005.00");
+  EXPECT_EQ(written(ValueType::kUint16, form, 6, std::uint64_t{0}), "000.00");
+  EXPECT_EQ(written(ValueType::kInt16, form, 6, std::int64_t{0}), "000.00");
+  EXPECT_EQ(written(ValueType::kUint64, form, 6, std::uint64_t{5}), "005.00");
+  EXPECT_EQ(written(ValueType::kInt16, form, 6, std::int64_t{-25}), "-25.00");
+}
+
+TEST(TextNumber, WithoutACharacterNothingIsWritten) {
+  EXPECT_EQ(write_decimal(kDecimal, 0, Value{1.0}, false), tl::unexpected(Cause::kRange));
+}
+
+TEST(TextNumber, APictureHasAtMost32DigitsOnEachSide) {
+  EXPECT_TRUE(text_number_from_picture(std::string(32, '0') + '.' + std::string(32, '0')));
+  EXPECT_FALSE(text_number_from_picture(std::string(33, '0')));
+  EXPECT_FALSE(text_number_from_picture("0." + std::string(33, '0')));
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -37,6 +37,9 @@ TEST(UtcMappingTest, SaturatesBeyondTheRange) {
   EXPECT_EQ(early.to_utc(kLongAgo + 1ns), UtcTime{INT64_MIN});
   EXPECT_EQ(late.to_instant(UtcTime{INT64_MIN}), kLongAgo);
   EXPECT_EQ(early.to_instant(UtcTime{INT64_MAX}), kNever);
+  EXPECT_EQ(kMapping.to_instant(UtcTime{INT64_MAX}), kNever);
+  constexpr UtcMapping past{Instant{-100s}, UtcTime{}};
+  EXPECT_EQ(past.to_instant(UtcTime{INT64_MIN + 1}), kLongAgo);
 }
 
 TEST(UtcMappingTest, IsKeptWhileANewerOneDiffersByNoMoreThanTheReadingOfClocks) {

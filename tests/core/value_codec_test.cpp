@@ -423,5 +423,47 @@ TEST(Exponent, AValueWithOneIsNotWritten) {
             tl::unexpected(Cause::kReadOnly));
 }
 
+TEST(ValueCodec, ABoolAcceptsZeroAndOne) {
+  const Encoding coil = of(ValueType::kBool);
+  for (const Value& on : {Value{true}, i(1), u(1), Value{1.0}})
+    EXPECT_EQ(encode_value(coil, 1, on), hex("01")) << to_text(on);
+  for (const Value& off : {Value{false}, i(0), u(0), Value{0.0}})
+    EXPECT_EQ(encode_value(coil, 1, off), hex("00")) << to_text(off);
+  for (const Value& wrong : {i(2), i(-1), Value{0.5}})
+    EXPECT_EQ(encode_value(coil, 1, wrong), tl::unexpected(Cause::kRange)) << to_text(wrong);
+}
+
+TEST(ValueCodec, WholeDoublesFitIntegersOf64Bits) {
+  const auto range = tl::unexpected(Cause::kRange);
+  const Encoding wide = of(ValueType::kUint64), integer = of(ValueType::kInt64);
+  EXPECT_EQ(encode_value(wide, 16, Value{9223372036854775808.0}), hex("8000 0000 0000 0000"));
+  EXPECT_EQ(encode_value(wide, 16, Value{18446744073709551616.0}), range);
+  EXPECT_EQ(encode_value(integer, 16, Value{-9223372036854775808.0}), hex("8000 0000 0000 0000"));
+  EXPECT_EQ(encode_value(integer, 16, Value{9223372036854775808.0}), range);
+  EXPECT_EQ(encode_value(integer, 16, Value{-1e19}), range);
+}
+
+TEST(ValueCodec, AFloatAcceptsIntegersAndNoOverflowOfItsScale) {
+  EXPECT_EQ(encode_value(of(ValueType::kFloat32), 16, u(25)), hex("41C8 0000"));
+  EXPECT_EQ(encode_value(of(ValueType::kFloat32), 16, i(25)), hex("41C8 0000"));
+  const Encoding tiny{.type = ValueType::kFloat64, .scale = 1e-300};
+  EXPECT_EQ(encode_value(tiny, 16, Value{1e300}), tl::unexpected(Cause::kRange));
+}
+
+TEST(ValueCodec, AnOffsetBeyondExactNumbersIsAdded) {
+  const Encoding far{.type = ValueType::kInt16, .offset = 9007199254740992.0};
+  EXPECT_EQ(decode_value(far, 16, hex("0002")), Value{9007199254740994.0});
+  const Encoding steep{.type = ValueType::kInt16, .scale = 9007199254740992.0};
+  EXPECT_EQ(decode_value(steep, 16, hex("0002")), Value{18014398509481984.0});
+}
+
+TEST(NotAvailable, EveryNanOfADoubleIsOne) {
+  const Encoding real = without(of(ValueType::kFloat64), {"nan", "-1"});
+  const auto none = tl::unexpected(Cause::kNotAvailable);
+  EXPECT_EQ(decode_value(real, 16, hex("FFF8 0000 0000 0001")), none);
+  EXPECT_EQ(decode_value(real, 16, hex("BFF0 0000 0000 0000")), none);
+  EXPECT_EQ(decode_value(real, 16, hex("4000 0000 0000 0000")), Value{2.0});
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -26,6 +26,8 @@ TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
         << nan;
   }
   EXPECT_EQ(parse_not_available(typed(ValueType::kUint16), "").error(), Cause::kWrongType);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kUint16), "0X10"), 0x10u);
+  EXPECT_EQ(parse_not_available(typed(ValueType::kUint16), "0xG").error(), Cause::kWrongType);
 }
 
 TEST(ValueText, NamesOfTypesLeadBack) {
@@ -40,6 +42,9 @@ TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
   EXPECT_EQ(parse_value(typed(ValueType::kBool), "0"), Value{false});
   EXPECT_EQ(parse_value(typed(ValueType::kInt16), "-12"), integer(-12));
   EXPECT_EQ(parse_value(typed(ValueType::kUint16), "0x1F"), whole(31));
+  EXPECT_EQ(parse_value(typed(ValueType::kUint16), "0X1F"), whole(31));
+  EXPECT_EQ(parse_value(typed(ValueType::kFloat64), "9223372036854775808"),
+            Value{9223372036854775808.0});
   EXPECT_EQ(parse_value(typed(ValueType::kUint16), "2.0"), whole(2));
   EXPECT_EQ(parse_value(typed(ValueType::kUint64), "18446744073709551615"), whole(UINT64_MAX));
   EXPECT_EQ(parse_value(typed(ValueType::kInt64), "-9223372036854775808"), integer(INT64_MIN));
@@ -55,7 +60,8 @@ TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
 TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
   const auto wrong = tl::unexpected(Cause::kWrongType);
   const auto range = tl::unexpected(Cause::kRange);
-  for (const auto* text : {"", "-", "+-1", "1 2", "0x", "0xG", "1e", "abc", "2.5", "--3"}) {
+  for (const auto* text :
+       {"", "-", "+-1", "1 2", "0x", "0xG", "1e", "abc", "2.5", "--3", "-+1", "+"}) {
     EXPECT_EQ(parse_value(typed(ValueType::kInt16), text), wrong) << text;
   }
   EXPECT_EQ(parse_value(typed(ValueType::kBool), "2"), wrong);
@@ -65,6 +71,7 @@ TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
   EXPECT_EQ(parse_value(typed(ValueType::kFloat64), "1e999"), range);
   EXPECT_EQ(parse_value(typed(ValueType::kInt64), "9223372036854775808"), range);
   EXPECT_EQ(parse_value(typed(ValueType::kUint64), "18446744073709551616"), range);
+  EXPECT_EQ(parse_value(typed(ValueType::kInt64), "-9223372036854775809"), range);
 }
 
 TEST(ValueText, WordsOfABoolHaveNoCase) {
@@ -87,6 +94,14 @@ TEST(EncodingText, IsReadAgain) {
   EXPECT_EQ(encoding_from("string(" + std::to_string(kMaxStringBytes) + ")")->string_bytes,
             kMaxStringBytes);
   EXPECT_FALSE(encoding_from("string(" + std::to_string(kMaxStringBytes + 1) + ")"));
+}
+
+TEST(Part, IsAByteOfAWiderItem) {
+  EXPECT_TRUE(is_part({.type = ValueType::kUint8, .bit = 8}, 16));
+  EXPECT_TRUE(is_part({.type = ValueType::kBool, .bit = 3}, 16));
+  EXPECT_FALSE(is_part({.type = ValueType::kUint8, .bit = 0}, 8)) << "the whole item";
+  EXPECT_FALSE(is_part({.type = ValueType::kUint16, .bit = 0}, 32)) << "wider than a byte";
+  EXPECT_FALSE(is_part({.type = ValueType::kUint8}, 16)) << "no place in the item";
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ TEST(Role, EachIncludesThoseBefore) {
     EXPECT_TRUE(may(role, Role::kViewer));
   }
   EXPECT_FALSE(may(Role::kProgrammer, Role::kEngineer));
+  EXPECT_EQ(to_text(static_cast<Role>(99)), "?");
 }
 
 TEST(Network, AnAddressIsReadInEverySpellingOfASocket) {
@@ -63,6 +64,7 @@ TEST(Network, WhatIsNotANetworkIsRefused) {
                            "/8",
                            "10.0.0.0/",
                            "10.0.0.0/33",
+                           "10.0.0.0/0008",
                            "10.0.0.0/8/8",
                            "10.0.0.7/8",
                            "010.0.0.1",

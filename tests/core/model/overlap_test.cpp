@@ -77,5 +77,11 @@ TEST(Overlaps, AreDescribedWithTheirAddresses) {
             "another type: is one of the addresses off by one?");
 }
 
+TEST(Overlaps, ACalculatedChannelHasNoItems) {
+  ChannelSpec calculated = channel("sum", 0, 101, 2, kDouble);
+  calculated.calculation = {std::make_shared<Calculation>()};
+  EXPECT_EQ(overlaps({channel("a", 0, 100, 2, kDouble), calculated}), "");
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -56,5 +56,15 @@ TEST(Reach, OfOtherChannelsIsNotKnown) {
   EXPECT_THAT(remarks({.type = ValueType::kUint16, .exponent_distance = 1}, wide), IsEmpty());
 }
 
+TEST(Reach, OfACalculatedChannelIsUnknown) {
+  BusSpec bus;
+  ChannelSpec channel;
+  channel.encoding = {.type = ValueType::kUint16};
+  channel.limits = low_high({}, 65535);
+  channel.calculation = {std::make_shared<Calculation>()};
+  bus.devices.emplace_back().channels = {channel};
+  EXPECT_THAT(unreachable_limits(bus), IsEmpty());
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -4,6 +4,9 @@
 
 #include <set>
 
+#include "core/model/bus_spec.hpp"
+#include "core/model/command.hpp"
+#include "core/model/planner_choice.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast {
@@ -89,12 +92,13 @@ TEST(Port, HasItsNameAndItsLine) {
   EXPECT_TRUE(has_datagrams(udp));
   EXPECT_FALSE(has_datagrams(tcp));
   EXPECT_TRUE(has_tls(tls));
-  EXPECT_FALSE(has_tls(udp));
+  for (const PortSpec& port : {udp, serial, server, module}) EXPECT_FALSE(has_tls(port));
 }
 
 // The texts are names in configurations and outputs: each value has its own.
 template <class Enum>
 void expect_own_texts(std::initializer_list<Enum> all) {
+  EXPECT_EQ(to_text(static_cast<Enum>(99)), "?");
   std::set<std::string_view> texts{"?"};
   for (const Enum each : all) EXPECT_TRUE(texts.insert(to_text(each)).second) << to_text(each);
 }
@@ -106,8 +110,58 @@ TEST(Texts, AreDifferent) {
   expect_own_texts({LogLevel::kError, LogLevel::kWarning, LogLevel::kInfo, LogLevel::kDebug});
   expect_own_texts({BusState::kOpening, BusState::kRunning, BusState::kClosed, BusState::kLeased,
                     BusState::kStopped});
+  expect_own_texts({AlarmPriority::kLow, AlarmPriority::kMedium, AlarmPriority::kHigh,
+                    AlarmPriority::kCritical});
+  expect_own_texts({CommandState::kDone, CommandState::kVerified, CommandState::kRejected,
+                    CommandState::kFailed, CommandState::kExpired});
+  expect_own_texts(
+      {ProgramSessionState::kOpen, ProgramSessionState::kClosed, ProgramSessionState::kRefused});
+  expect_own_texts({Planner::kCyclic, Planner::kDynamicBlocks, Planner::kFastestMember,
+                    Planner::kOnePerChannel});
   expect_own_texts(
       {DeviceState::kUnknown, DeviceState::kOnline, DeviceState::kDegraded, DeviceState::kOffline});
+}
+
+TEST(Protocols, ADeviceOfAnUnknownProtocolHasNone) {
+  DeviceSpec device;
+  device.protocol = "modbus-rtu";
+  device.link.address = 1;
+  EXPECT_TRUE(make_protocol(device, {}));
+  device.protocol = "modbus-plus";
+  const auto made = make_protocol(device, {});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().what, "protocol 'modbus-plus' is unknown");
+}
+
+// A reload restarts only what differs.
+TEST(Specs, DifferInEachField) {
+  const CaptureSpec capture{.folder = "/captures"};
+  EXPECT_EQ(capture, (CaptureSpec{.folder = "/captures"}));
+  for (const CaptureSpec& other :
+       {CaptureSpec{.folder = "/elsewhere"}, CaptureSpec{.folder = "/captures", .file_bytes = 1},
+        CaptureSpec{.folder = "/captures", .files = 1},
+        CaptureSpec{.folder = "/captures", .only_sessions = true}})
+    EXPECT_NE(capture, other);
+  const StandbySpec standby{.group = "boiler", .strength = 3};
+  EXPECT_EQ(standby, (StandbySpec{.group = "boiler", .strength = 3}));
+  EXPECT_NE(standby, (StandbySpec{.group = "boiler", .strength = 4}));
+  EXPECT_NE(standby, (StandbySpec{.group = "press", .strength = 3}));
+}
+
+TEST(Specs, CalculationsAreComparedByTheirFormulas) {
+  const auto shared = [](std::string expression, std::vector<ChannelPath> inputs) {
+    auto value = std::make_shared<Calculation>();
+    value->expression = std::move(expression);
+    value->inputs = std::move(inputs);
+    return SharedCalculation{std::move(value)};
+  };
+  const SharedCalculation sum = shared("a + b", {{}, {}});
+  EXPECT_EQ(sum, sum);
+  EXPECT_EQ(sum, shared("a + b", {{}, {}}));
+  EXPECT_NE(sum, shared("a - b", {{}, {}}));
+  EXPECT_NE(sum, shared("a + b", {{}}));
+  EXPECT_NE(sum, SharedCalculation{});
+  EXPECT_NE(SharedCalculation{}, sum);
 }
 
 }  // namespace
