@@ -93,7 +93,7 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
     ++next;
     return room;
   };
-  if (!take(original[0] & 0xFu)) return std::nullopt;
+  take(original[0] & 0xFu);  // the first code alone fills no byte
   for (const std::uint8_t byte : original.subspan(1)) {
     if (!take(byte >> 4) || !take(byte & 0xFu)) return std::nullopt;
   }

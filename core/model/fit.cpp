@@ -11,7 +11,7 @@ namespace {
 
 using About = FitFault::About;
 
-std::string bits(unsigned count) { return std::to_string(count) + (count == 1 ? " bit" : " bits"); }
+std::string bits(unsigned count) { return std::to_string(count) + " bits"; }
 
 std::optional<FitFault> check_bit(std::string_view at, const Area& area, const Encoding& encoding) {
   if (encoding.bit && *encoding.bit >= area.item_bits) {
