@@ -111,5 +111,13 @@ TEST(Evaluation, AnInputIsTheNumberOfItsSample) {
   EXPECT_EQ(number(std::string("5")), 0);
 }
 
+TEST(Evaluation, AnUnknownQualityIsTheWorst) {
+  constexpr auto kUnknown = static_cast<Quality>(99);
+  for (const Quality other : kQualities) {
+    const std::vector inputs{input(1, other, 1s), input(1, kUnknown, 2s)};
+    EXPECT_EQ(evaluate(product, inputs, ValueType::kFloat64).quality, kUnknown);
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast
