@@ -12,15 +12,15 @@ void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
   read_frames(now, actions);
 }
 
+// REQUIRES: no pairing, or one with framing by markers.
 void Engineer::read_frames(Instant now, Actions& actions) {
-  while (state_ == State::kHandshake || (paired() && !by_length_)) {
+  while (state_ == State::kHandshake || paired()) {
     auto frame = reader_.next(paired() ? MarkerReader::Phase::kTransmission
                                        : MarkerReader::Phase::kHandshake);
     if (!frame) break;
     take_frame(*std::move(frame), now, actions);
   }
-  half_from_client_ =
-      paired() && !by_length_ && reader_.partial() ? now + reader_.patience() : kNever;
+  half_from_client_ = paired() && reader_.partial() ? now + reader_.patience() : kNever;
   const bool waiting =
       state_ == State::kLogin || state_ == State::kListing || state_ == State::kTaking;
   if (waiting && reader_.held() > kMaxEarly) {

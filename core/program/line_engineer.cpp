@@ -129,7 +129,7 @@ void LineEngineer::to_device(Bytes bytes, Instant now, Actions& actions) {
 
 // Bytes after the end of the login belong to the device.
 void LineEngineer::type(ByteView bytes, Actions& actions) {
-  for (std::size_t i = 0; i < bytes.size() && !over(); ++i) {
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
     const std::uint8_t byte = bytes[i];
     const bool second = std::exchange(after_return_, byte == '\r') && (byte == '\n' || byte == 0);
     if (state_ == State::kChecking) {

@@ -86,10 +86,7 @@ std::optional<MarkerFrame> MarkerReader::control(Phase phase) {
 }
 
 std::optional<MarkerFrame> MarkerReader::next(Phase phase) {
-  if (skipping_) {
-    auto skipped = skip();
-    if (skipped || skipping_) return skipped;
-  }
+  if (skipping_) return skip();
   if (auto foreign = noise()) return foreign;
   if (buffer_.size() < kStart) return std::nullopt;
   if (auto code = control(phase)) return code;

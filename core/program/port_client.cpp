@@ -108,11 +108,9 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
   if (code == kHeartbeatCode && paired()) return send_heartbeat(actions);
   const auto reply = reply_from(code);
   if (!reply) return;
-  if (paired()) {
-    if (*reply == Reply::kLost)
-      finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
-    return;
-  }
+  // The loss is the only other code of a transmission.
+  if (paired())
+    return finish(PortEnd::Kind::kDeviceLost, std::string(to_text(Reply::kLost)), actions);
   if (*reply != Reply::kPaired)
     return finish(PortEnd::Kind::kRefused, refusal_text(*reply, rules_.user), actions, *reply);
   state_ = State::kPaired;

@@ -38,8 +38,9 @@ void LineClient::on_bytes(ByteView received, Bytes& data, Bytes& to_server) {
     } else if (const auto* request = std::get_if<OptionRequest>(&*item)) {
       options_.on_request(*request, to_server);
       on_options(to_server);
-    } else if (const auto* sub = std::get_if<Subnegotiation>(&*item)) {
-      const auto message = sub->option == kComPort ? message_from(sub->bytes) : std::nullopt;
+    } else {
+      const auto& sub = std::get<Subnegotiation>(*item);
+      const auto message = sub.option == kComPort ? message_from(sub.bytes) : std::nullopt;
       if (message && message->from == From::kServer) on_message(*message, to_server);
     }
   }

@@ -30,8 +30,9 @@ void LineServer::on_bytes(ByteView received, LineActions& actions, Bytes& to_cli
       append(std::get<LineData>(actions.back()).bytes, data->bytes);
     } else if (const auto* request = std::get_if<OptionRequest>(&*item)) {
       options_.on_request(*request, to_client);
-    } else if (const auto* sub = std::get_if<Subnegotiation>(&*item)) {
-      const auto message = sub->option == kComPort ? message_from(sub->bytes) : std::nullopt;
+    } else {
+      const auto& sub = std::get<Subnegotiation>(*item);
+      const auto message = sub.option == kComPort ? message_from(sub.bytes) : std::nullopt;
       if (message && message->from == From::kClient) on_message(*message, actions, to_client);
     }
   }
