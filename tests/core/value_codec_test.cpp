@@ -416,6 +416,8 @@ TEST(Exponent, OneThatIsNotAvailableOrTooLargeMakesTheValueBad) {
   EXPECT_EQ(decode_value(encoding, 16, hex("04D2 8001")), range);
   EXPECT_EQ(decode_value(encoding, 16, hex("8000 FFFE")), none) << "the value itself";
   EXPECT_EQ(decode_value(encoding, 16, hex("8000 7FFF")), none) << "the value goes first";
+  EXPECT_EQ(decode_value(encoding, 32, hex("000004D2 0000FFFE")), range) << "wider than 16 bits";
+  EXPECT_EQ(decode_value(encoding, 32, hex("000004D2 FFFFFFFE")), Value{12.34});
 }
 
 TEST(Exponent, AValueWithOneIsNotWritten) {

@@ -52,6 +52,7 @@ TEST(Reconnection, ARefusedLoginAndAStopAreFinal) {
   EXPECT_EQ(reconnection.ended(refused(Reply::kNotAllowed), kEndedAt), std::nullopt);
   EXPECT_EQ(reconnection.ended({EndKind::kStopped, {}, "stopped"}, kEndedAt), std::nullopt);
   EXPECT_EQ(reconnection.ended({EndKind::kProtocol, {}, "no bridge"}, kEndedAt), std::nullopt);
+  EXPECT_EQ(reconnection.ended({static_cast<EndKind>(99), {}, "unknown"}, kEndedAt), std::nullopt);
   EXPECT_EQ(reconnection.ended(refused(Reply::kInUse), kEndedAt), after(1));
   EXPECT_EQ(reconnection.ended(refused(Reply::kNotOnline), kEndedAt), after(2));
 }

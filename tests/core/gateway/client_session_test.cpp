@@ -174,6 +174,21 @@ TEST_F(ClientSessionTest, AnInvalidRequestIsRefusedWithItsException) {
   EXPECT_TRUE(commands_.empty());
 }
 
+TEST_F(ClientSessionTest, Function23ReadsAfterAVerifiedWrite) {
+  spec_.writes = spec_.verify = true;
+  (void)send(kReadWrite);
+  ASSERT_EQ(commands_.size(), 1u);
+  CommandResult verified;
+  verified.request_id = commands_[0].request_id;
+  verified.state = CommandState::kVerified;
+  verified.completed = Instant{7s};
+  Bytes out;
+  session_.on_result(verified, out, commands_);
+  EXPECT_TRUE(out.empty());
+  ASSERT_EQ(commands_.size(), 2u);
+  EXPECT_TRUE(commands_[1].is_gateway_read());
+}
+
 TEST(Units, AreTheAddressesOrAsConfigured) {
   BusSpec bus;
   bus.gateway.emplace();
