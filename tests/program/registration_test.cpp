@@ -176,6 +176,18 @@ TEST(Registration, ABrokenResponseIsAskedAgainInSilence) {
             "17");
 }
 
+TEST(Registration, AResponseWithoutDigitsIsAskedAgainInSilence) {
+  Registration registration(words_rule());
+  const Duration response_time = registration.start(kStart).wake - kStart;
+  const Instant later = kStart + milliseconds{100};
+  auto outcome = registration.on_bytes(with_fcs("@00RD00X137000000000000"), later);
+  EXPECT_FALSE(outcome.number || outcome.fault);
+  EXPECT_TRUE(outcome.send.empty());
+  EXPECT_EQ(outcome.wake, later + response_time);
+  while (outcome.send.empty() && !outcome.fault) outcome = registration.on_timer(outcome.wake);
+  EXPECT_EQ(outcome.send, with_fcs("@00RD01000004"));
+}
+
 TEST(Registration, ARefusalOfThePlcIsAFault) {
   Registration registration(words_rule());
   (void)registration.start(kStart);
