@@ -50,7 +50,7 @@ void explain_request(FieldWriter& writer, ByteView frame) {
 }
 
 void explain_refusal(FieldWriter& writer, ByteView frame) {
-  writer.add(1, 1, "refusal", "E", frame[1] == 'E' ? "" : "must be E");
+  writer.add(1, 1, "refusal", printable(frame.subspan(1, 1)), frame[1] == 'E' ? "" : "must be E");
   add_field(writer, frame, 2, 2, "code",
             std::string(refusal_text(read_digits(frame.subspan(2, 2)).value_or(0))));
 }
