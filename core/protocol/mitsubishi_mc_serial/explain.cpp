@@ -94,7 +94,7 @@ class SerialExplainer {
 
   // A request without a sum is as long as its command needs.
   static bool has_sum(ByteView text) {
-    if (text.size() <= header_size({.frame = frame_of(text, false)})) return false;
+    if (text.size() <= header_size({.frame = frame_of(text)})) return false;
     const auto request = ascii_request(text);
     return !request || text.size() > request->size;
   }
@@ -116,9 +116,9 @@ class SerialExplainer {
       return format;
     }
     const ByteView behind = ByteView(text_).subspan(std::min(text_.size(), kBlockDigits));
-    SerialFormat format{.frame = frame_of(behind, false)};
+    SerialFormat format{.frame = frame_of(behind)};
     format.numbered = format.frame != SerialFrame::k1c;
-    if (!format.numbered) format.frame = frame_of(text_, false);
+    if (!format.numbered) format.frame = frame_of(text_);
     if (format.frame == SerialFrame::k1c && (first == kAck || first == kNak))
       format.numbered = behind.size() == header_size(format) + (refused_ ? format.code_size() : 0);
     if (first == kStx) find_end_code(format);

@@ -51,7 +51,7 @@ std::optional<std::size_t> short_content(ByteView content) {
 std::optional<AsciiRequest> request_in(ByteView text, bool numbered) {
   if (numbered && !number_at(text, 0, kBlockDigits)) return std::nullopt;
   AsciiRequest request{.format = {.numbered = numbered}};
-  request.format.frame = frame_of(text.subspan(numbered ? kBlockDigits : 0), false);
+  request.format.frame = frame_of(text.subspan(numbered ? kBlockDigits : 0));
   const std::size_t header = header_size(request.format);
   if (text.size() < header) return std::nullopt;
   const ByteView content = text.subspan(header);
@@ -93,8 +93,7 @@ SeenRequest seen_binary(ByteView bytes) {
 
 }  // namespace
 
-SerialFrame frame_of(ByteView text, bool binary) {
-  if (binary) return SerialFrame::k4c;
+SerialFrame frame_of(ByteView text) {
   const auto identifier = number_at(text, 0, 2);
   return identifier == 0xF8   ? SerialFrame::k4c
          : identifier == 0xF9 ? SerialFrame::k3c

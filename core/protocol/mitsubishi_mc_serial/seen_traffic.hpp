@@ -8,8 +8,8 @@
 
 namespace fieldcast::mitsubishi_mc {
 
-// The frame whose header begins the text, in ASCII or binary code. A 1C frame has no identifier.
-[[nodiscard]] SerialFrame frame_of(ByteView text, bool binary);
+// The frame whose header begins the text, in ASCII code. A 1C frame has no identifier.
+[[nodiscard]] SerialFrame frame_of(ByteView text);
 
 struct AsciiRequest {
   SerialFormat format;   // frame and block number

@@ -318,7 +318,7 @@ class PduExplainer {
 
   void objects(std::size_t at) {
     writer_.deeper();
-    for (unsigned left = pdu_[6]; left > 0 && at <= pdu_.size(); --left) {
+    for (unsigned left = pdu_[6]; left > 0; --left) {
       if (!has(at, 2)) {
         writer_.add(at, pdu_.size() - at, "object", "", "missing");
         break;

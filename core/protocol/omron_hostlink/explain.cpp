@@ -157,7 +157,7 @@ class HostLinkExplainer {
   void read(ByteView rest, char letter) {
     const std::size_t address_size = letter == 'E' ? 6 : 4;
     const bool flags = letter == 'G';
-    const bool request = rest.size() == address_size + 4 && !(flags && rest.size() == 2);
+    const bool request = rest.size() == address_size + 4;
     if (!request && rest.size() >= 2 && (flags || (rest.size() - 2) % 4 == 0)) {
       writer_.remark("response");
       end_code(rest);

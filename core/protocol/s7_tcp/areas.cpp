@@ -88,7 +88,7 @@ ParsedOrFault parse_address(std::span<const Area> areas, std::string_view at) {
   const auto name = named(areas, in_block, rest.substr(0, digits));
   if (!name) return fault("area " + in_quotes(rest.substr(0, digits)) + " is unknown");
   const std::size_t dot = std::min(rest.find('.'), rest.size());
-  const auto number = whole_number(rest.substr(digits, dot < digits ? 0 : dot - digits));
+  const auto number = whole_number(rest.substr(digits, dot - digits));
   if (!number) return fault(in_quotes(at) + " has no number");
   const std::uint32_t items = in_block ? s7comm::kBlockBytes : areas[name->area].items;
   const std::uint32_t last = name->width / 8;
