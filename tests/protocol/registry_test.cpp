@@ -85,6 +85,16 @@ TEST(DeviceCode, ACodeOrItsClassSaysWhatItMeansForTheNextRead) {
   EXPECT_EQ(device_code_cause(codes, 0x7777), Cause::kDeviceError) << "unknown codes refuse";
 }
 
+TEST(DeviceCode, SaysWhetherTheDeviceMayHaveWritten) {
+  static constexpr DeviceCode kCodes[] = {
+      {.code = 0x02, .text = "illegal data address"},
+      {.code = 0x10, .text = "no response behind the gateway", .may_have_written = true}};
+  EXPECT_TRUE(may_have_written(kCodes, 0x10));
+  EXPECT_FALSE(may_have_written(kCodes, 0x02));
+  EXPECT_FALSE(may_have_written(kCodes, 0x5A)) << "unknown codes refuse";
+  EXPECT_TRUE(may_have_written(kCodes, 0)) << "a failure without a code";
+}
+
 // Codes of each family that are temporary states. All others are refusals or line errors.
 TEST(DeviceCode, StatesOfTheMomentByFamily) {
   using Codes = std::set<std::uint16_t>;
@@ -125,6 +135,49 @@ TEST(Registry, AnUnknownOptionIsAFaultOfThatOption) {
     ASSERT_FALSE(made.has_value()) << entry.name;
     EXPECT_EQ(made.error().option, "no-such-option");
   }
+}
+
+struct WrongOption {
+  std::string_view protocol;
+  DeviceLink link;
+  std::string_view what, allowed;
+};
+
+const WrongOption kWrongOptions[] = {
+    {"s7-ppi",
+     {.address = 2, .options = {{"master", "2"}}},
+     "the master's address is the station's own",
+     "0..126 without the stations of the bus"},
+    {"s7-ppi",
+     {.address = 2, .options = {{"poll-delay-ms", "5x"}}},
+     "'5x' is no such number",
+     "0..1000"},
+    {"s7-tcp",
+     {.options = {{"tsap", "10.0x"}}},
+     "tsap '10.0x' is no TSAP",
+     "two hexadecimal numbers of two digits: \"10.01\""},
+    {"s7-tcp",
+     {.options = {{"local-tsap", "10-01"}}},
+     "local-tsap '10-01' is no TSAP",
+     "two hexadecimal numbers of two digits: \"10.01\""},
+    {"modbus-rtu",
+     {.long_address = "123456789012"},
+     "address 123456789012 is outside what modbus-rtu has",
+     "1..247"},
+    {"modbus-rtu",
+     {.options = {{"mask-writ", "true"}}},
+     "option 'mask-writ' is unknown to modbus-rtu; did you mean 'mask-write'?",
+     "write-single, mask-write, read-write"}};
+
+TEST(Registry, AWrongOptionIsNamedWithWhatIsAllowed) {
+  for (const WrongOption& row : kWrongOptions) {
+    const auto made = find_protocol(row.protocol)->make(row.link);
+    ASSERT_FALSE(made.has_value()) << row.what;
+    EXPECT_EQ(made.error().what, row.what);
+    EXPECT_EQ(made.error().allowed, row.allowed);
+  }
+  const auto ppi = find_protocol("s7-ppi");
+  EXPECT_TRUE(ppi->make({.address = 2, .options = {{"master", "3"}}}).has_value());
 }
 
 TEST(Registry, AnAddressOutsideTheFamilyIsAFault) {

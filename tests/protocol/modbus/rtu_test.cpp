@@ -296,6 +296,26 @@ TEST(RtuExchange, RecordsStayWithinTheirLimits) {
 }
 
 // The response has 11 bytes. In doubt, the wait is for eight more at most; each byte restarts it.
+TEST(RtuExchange, AMaskIsForOneHoldingRegister) {
+  const auto masked = [](Table table, std::uint32_t count) {
+    const auto area = static_cast<AreaIndex>(table);
+    const bool bits = table == Table::kCoil;
+    return WriteRequest{.range = {area, 10000, count},
+                        .items = Bytes(image_bytes(bits ? 1 : 16, count)),
+                        .mask = std::uint16_t{0x00F0}};
+  };
+  EXPECT_TRUE(pdu_sizes(masked(Table::kHolding, 1), {}));
+  EXPECT_FALSE(pdu_sizes(masked(Table::kHolding, 2), {}));
+  EXPECT_FALSE(pdu_sizes(masked(Table::kCoil, 1), {}));
+  EXPECT_FALSE(pdu_sizes(masked(Table::kFile, 1), {}));
+  const Range read{static_cast<AreaIndex>(Table::kHolding), 0, 1};
+  EXPECT_FALSE(pdu_sizes(WriteReadRequest{masked(Table::kHolding, 1), read}, {}));
+  WriteRequest most{.range = {read.area, 0, 121}, .items = Bytes(242)};
+  EXPECT_TRUE(pdu_sizes(WriteReadRequest{most, read}, {}));
+  most = {.range = {read.area, 0, 122}, .items = Bytes(244)};
+  EXPECT_FALSE(pdu_sizes(WriteReadRequest{most, read}, {})) << "function 23 writes 121 registers";
+}
+
 TEST(RtuExchange, AnIncompleteFrameIsWaitedForAsLongAsItsFieldsSay) {
   struct Part {
     const char* what;
