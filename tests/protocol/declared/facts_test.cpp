@@ -80,6 +80,51 @@ TEST_P(DeclaredFacts, AreAsWritten) {
   EXPECT_EQ(facts(GetParam()), whole.str());
 }
 
+TEST_P(DeclaredFacts, ARequestOutsideOfTheAreasHasNoSize) {
+  const auto shared = declaration(GetParam());
+  const auto protocol = std::move(*declared::make(shared, {.address = 1}));
+  const auto expect_refused = [&](const Request& request, const std::string& what) {
+    EXPECT_FALSE(protocol->size(request)) << what;
+  };
+  expect_refused(ReadRequest{}, "no range");
+  for (AreaIndex index = 0; index < protocol->areas().size(); ++index) {
+    const Area& area = protocol->areas()[index];
+    const std::string name(area.name);
+    const Range range{index, 0, area.window ? area.items : 1};
+    std::vector<Range> faults(4, range);
+    faults[0].area = static_cast<AreaIndex>(protocol->areas().size());
+    faults[1].count = 0;
+    faults[2].first = area.items;
+    faults[3].count = area.items + 1;
+    expect_refused(ReadRequest{{range, range}}, name + ", two ranges");
+    WriteRequest write{range, Bytes(image_bytes(area.item_bits, range.count), 1)};
+    expect_refused(WriteReadRequest{write, range}, name + ", write and read");
+    for (const Range& fault : faults) {
+      expect_refused(ReadRequest{{fault}}, name + ", read " + std::to_string(fault.first) + ' ' +
+                                               std::to_string(fault.count));
+      expect_refused(
+          WriteRequest{fault, Bytes(image_bytes(area.item_bits, fault.count), 1)},
+          name + ", write " + std::to_string(fault.first) + ' ' + std::to_string(fault.count));
+    }
+    write.items.push_back(0);
+    expect_refused(write, name + ", more bytes than items");
+    write.items.pop_back();
+    write.bit = 0;
+    if (area.item_bits != 1) expect_refused(write, name + ", a bit of an item");
+    const Request right = ReadRequest{{range}}, wrong = ReadRequest{{faults[1]}};
+    if (!protocol->size(right)) continue;
+    EXPECT_TRUE(protocol->mistakable(right, {1}, wrong, {1})) << name << ": in doubt, true";
+    EXPECT_TRUE(protocol->mistakable(wrong, {1}, right, {1})) << name << ": in doubt, true";
+  }
+}
+
+TEST_P(DeclaredFacts, EndlessBytesAreNoFrame) {
+  const auto shared = declaration(GetParam());
+  const auto fields = declared::explain(*shared, Bytes(70000, '0'));
+  ASSERT_EQ(fields.size(), 1u);
+  EXPECT_EQ(fields.front().fault, "longer than any frame of a declared protocol");
+}
+
 INSTANTIATE_TEST_SUITE_P(Shipped, DeclaredFacts, testing::ValuesIn(shipped()), [](const auto& row) {
   std::string name = row.param;
   std::ranges::replace(name, '-', '_');
