@@ -355,7 +355,13 @@ class Reader {
           must(check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_)));
         }
         break;
-      case FieldKind::kLength: must(counted(field)); break;
+      case FieldKind::kLength: {
+        const std::uint64_t all = counted(field);
+        // The last byte of packed bits may have some that do not count.
+        const bool bits = field.counts == Counts::kItems && frame_.fields[field.of.from].packed;
+        must(bits && number < all && all - number < 8 ? number : all);
+        break;
+      }
       case FieldKind::kError: {
         const auto known = declaration_.codes.find(static_cast<std::uint16_t>(number));
         if (known != declaration_.codes.end()) value += " " + known->second;
