@@ -167,6 +167,8 @@ TEST(AlarmRegistry, RefusesWhatCannotBe) {
   refused: there is no device with alarms: shop/press-9 (UNKNOWN_DEVICE)
 0s anna maintains shop for 1h
   refused: there is no device with alarms: shop/ (UNKNOWN_DEVICE)
+0s anna maintains zoo/press-1 for 1h
+  refused: there is no device with alarms: zoo/press-1 (UNKNOWN_DEVICE)
 0s raise shop/press-1/plain high 5
   nothing
 0s clear shop/press-1/level high 5
@@ -294,6 +296,44 @@ TEST(AlarmRegistry, AnOccurrenceThatIsOnlyActiveInTheStoreIsOneOfItsOwn) {
   EXPECT_EQ(status->raised_at, after(3s));
   EXPECT_EQ(status->cleared_at, UtcTime{});
   EXPECT_EQ(status->acknowledged, AlarmNote{}) << "it was of the occurrence before";
+}
+
+// The bridge stopped between the two changes: the store has the end of the alarm and its old state.
+TEST(AlarmRegistry, AnAlarmThatIsNoLongerActiveInTheStoreHasEnded) {
+  AlarmRegistry registry;
+  (void)registry.configure(two_buses());
+  const AlarmKey alarm{"shop", "press-1", "level", LimitKind::kHigh},
+      taken_away{"shop", "press-1", "plain", LimitKind::kHigh};
+  AlarmStatus kept_status;
+  kept_status.stage = AlarmStage::kAcknowledged;
+  kept_status.active = true;
+  kept_status.value = 95;
+  KeptAlarms kept;
+  for (const AlarmKey& each : {alarm, taken_away}) kept.states.push_back({each, kept_status});
+  kept.maintenance.push_back({{"of another bridge", "press-1"}, {"bo", "", after(1s), after(2h)}});
+  EXPECT_TRUE(registry.restore(kept, after(5s)).empty());
+  ASSERT_NE(registry.find(alarm), nullptr);
+  EXPECT_EQ(registry.find(alarm)->stage, AlarmStage::kClear);
+  EXPECT_FALSE(registry.find(alarm)->active);
+  EXPECT_EQ(registry.find(alarm)->cleared_at, after(5s));
+  EXPECT_EQ(registry.find(taken_away), nullptr);
+  EXPECT_EQ(registry.take_news().to_keep, (std::set<AlarmKey>{alarm, taken_away}));
+  registry.on_time("of another bridge", after(3h));
+  EXPECT_TRUE(registry.take_news().events.empty()) << "the maintenance of another bridge";
+}
+
+TEST(AlarmRegistry, CountsWhatIsClearAndWhatChatters) {
+  AlarmRegistry registry;
+  (void)registry.configure(two_buses());
+  const AlarmKey alarm{"shop", "press-1", "level", LimitKind::kHigh};
+  AlarmAction action{.by = "anna"};
+  action.alarm = alarm;
+  for (int i = 0; i < 5; ++i) {
+    (void)registry.raise(alarm, 91, after(1s), after(1s));
+    ASSERT_TRUE(registry.act(action, after(1s)));
+    (void)registry.clear(alarm, 50, after(2s));
+  }
+  EXPECT_EQ(registry.counts(), (AlarmCounts{0, 0, 0, 0, 0, 1}));
 }
 
 TEST(AlarmRegistry, ARestoredBusLosesAlarmsThatAreNotStored) {

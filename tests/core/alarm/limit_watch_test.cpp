@@ -172,6 +172,15 @@ TEST(AlarmMonitor, OnlyGoodQualityCounts) {
   }
 }
 
+TEST(AlarmMonitor, OnlyANumberCounts) {
+  AlarmMonitor monitor(plant());
+  std::vector<AlarmChange> changes;
+  const Sample values[] = {sample(1, 99.0), sample(1, std::string("50"))};
+  monitor.on_samples(values, at(0), changes);
+  ASSERT_EQ(changes.size(), 2u);
+  for (const AlarmChange& change : changes) EXPECT_EQ(change.state, AlarmState::kActive);
+}
+
 TEST(AlarmMonitor, AnAlarmOfBeforeContinuesAtItsLimit) {
   AlarmMonitor monitor(plant());
   std::vector<AlarmChange> changes;
