@@ -104,7 +104,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     if (state_ == BusState::kRunning) take_frames(event.bytes, now, sink);
     return;
   }
-  if (!parts_.wire().exchanging() || state_ != BusState::kRunning) {
+  if (!parts_.wire().exchanging()) {
     parts_.wire().count_stray(event.bytes.size());
     if (state_ != BusState::kRunning) return;
     return take_stray(event.bytes, now, sink);

@@ -47,6 +47,55 @@ TEST(BusSetup, RangesAreNamedByTheirArea) {
   EXPECT_EQ(setup.text(0, {kHolding, 105, 1}), "holding:105");
 }
 
+TEST(BusSetup, ARequestThatNoFrameCarriesHasNoWireTime) {
+  const BusSetup setup(test::rtu_bus(1));
+  const Request much = ReadRequest{{{kHolding, 100, 1000}}};
+  EXPECT_EQ(setup.wire_time(0, much), Duration{});
+  EXPECT_EQ(setup.response_wire_time(0, much), Duration{});
+}
+
+TEST(BusSetup, EachRequestHasOneArea) {
+  const WriteRequest write{{kHolding, 100, 1}, {0, 1}, {}};
+  EXPECT_EQ(area_of(ReadRequest{{{3, 100, 1}}}), 3u);
+  EXPECT_EQ(area_of(write), kHolding);
+  EXPECT_EQ(area_of(WriteReadRequest{write, {3, 100, 1}}), 3u);
+}
+
+TEST(BusSetup, OnALineOfOneDeviceNoOtherIsRead) {
+  for (const char* protocol : {"mitsubishi-fx", "s7-freeport"}) {
+    BusSpec spec = test::rtu_bus(1);
+    spec.devices[0].protocol = protocol;
+    DeviceSpec other = spec.devices[0];
+    other.link.address = 2;
+    EXPECT_EQ(BusSetup(spec).why_not_ad_hoc(other),
+              "the protocol " + std::string(protocol) + " allows only one device on its bus");
+  }
+}
+
+TEST(BusSetup, AddressesDifferByTheirLongPartToo) {
+  const DeviceSpec device = test::rtu_bus(1).devices[0];
+  DeviceSpec other = device;
+  EXPECT_TRUE(same_address(device, other));
+  other.link.long_address = 7;
+  EXPECT_FALSE(same_address(device, other));
+}
+
+// Responses that are still pending refer to the protocol of their device.
+TEST(BusSetup, AnAdHocDeviceKeepsItsProtocolUntilItsLinkChanges) {
+  BusSetup setup(test::rtu_bus(1));
+  DeviceSpec device = setup.device(0);
+  device.link.address = 2;
+  ASSERT_TRUE(setup.set_ad_hoc(1, device));
+  const auto first = setup.protocols()[1];
+  device.timeout = 1s;
+  ASSERT_TRUE(setup.set_ad_hoc(1, device));
+  EXPECT_EQ(setup.protocols()[1], first);
+  EXPECT_EQ(setup.device(1).timeout, 1s);
+  device.link.options["mask-write"] = "true";
+  ASSERT_TRUE(setup.set_ad_hoc(1, device));
+  EXPECT_NE(setup.protocols()[1], first);
+}
+
 }  // namespace
 }  // namespace fieldcast
 

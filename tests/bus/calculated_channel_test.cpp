@@ -54,6 +54,19 @@ TEST_F(CalculatedChannelTest, ReportsABadInputOnceAndKeepsItsValue) {
   EXPECT_EQ(out_.back().quality, Quality::kUncertain) << "an old value without its input";
 }
 
+TEST_F(CalculatedChannelTest, ADeadbandHoldsBackWhatIsCalculated) {
+  BusSpec quiet = bus();
+  quiet.devices[0].channels[0].deadband = 5;
+  quiet.devices[0].channels[0].heartbeat = 1h;
+  ChannelTable table(quiet);
+  table.calculated(0, result(7, 1s), Instant{1s}, out_);
+  table.calculated(0, result(12, 2s), Instant{2s}, out_);
+  EXPECT_EQ(out_.size(), 1u);
+  table.calculated(0, result(13, 3s), Instant{3s}, out_);
+  ASSERT_EQ(out_.size(), 2u);
+  EXPECT_EQ(out_[1].value, Value{13.0});
+}
+
 // Its inputs report a miss at 1003 ms. It does so itself only if they do not, for example because
 // the thread of their bus hangs.
 TEST_F(CalculatedChannelTest, IsUncertainSoonAfterItsInputsAreLate) {

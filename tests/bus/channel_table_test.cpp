@@ -376,6 +376,36 @@ TEST(ChannelTable, SequencesGoOnWhereAnotherBridgeWas) {
   EXPECT_EQ(out.back().sequence, 43u);
 }
 
+// The other bridge had another configuration: one channel of another type, and one more.
+TEST(ChannelTable, OfAnInheritedValueOfAnotherTypeOnlyTheSequenceGoesOn) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  Sample last{.channel = 1, .value = std::string("on"), .quality = Quality::kGood};
+  last.sequence = 41;
+  table.inherit(last);
+  last.channel = 0;
+  table.inherit(last);
+  EXPECT_FALSE(table.was_read(0));
+  table.start(Instant{});
+  std::vector<Sample> out;
+  table.expire(Instant{5s}, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].sequence, 42u);
+  EXPECT_EQ(out[0].value, Value{std::uint64_t{0}});
+  EXPECT_EQ(out[0].quality, Quality::kNotYetRead);
+}
+
+TEST(ChannelTable, ARefusalWithAnotherCodeIsReportedToo) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  for (const std::uint16_t code : {std::uint16_t{2}, std::uint16_t{2}, std::uint16_t{4}}) {
+    table.refused(0, Cause::kDeviceError, code, Instant{1s}, out);
+  }
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[1].device_code, 4);
+}
+
 // This also holds for channels of which this bridge has received no sample.
 TEST(ChannelTable, CountsOnAboveWhatASecondMasterMayHavePublished) {
   ChannelSpec on_demand = channel("b", 1s);

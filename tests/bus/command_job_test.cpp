@@ -214,6 +214,108 @@ TEST_F(CommandJobTest, EachFaultHasItsCause) {
   EXPECT_EQ(make(raw).error().cause, Cause::kReadOnly);
 }
 
+TEST_F(CommandJobTest, AWriteNamesWhatCannotBeWritten) {
+  const auto reason = [&](const std::string& channel, Value value) {
+    const auto job = make(write(channel, std::move(value)));
+    return job ? "taken" : job.error().reason;
+  };
+  Encoding bit{ValueType::kBool}, high{ValueType::kUint8};
+  bit.bit = 3;
+  high.bit = 8;
+  add("start", {2, 110, 1}, bit, Access::kWriteOnly);
+  add("high", {2, 111, 1}, high, Access::kReadWrite);
+  device_.channels.own().back().at = "holding:111.high";
+  EXPECT_EQ(reason("start", true), "a bit of a word that cannot be read cannot be written");
+  EXPECT_EQ(reason("high", std::uint64_t{7}),
+            "a byte of 'holding:111.high' cannot be written without the rest of it");
+  device_.channels.own().erase(device_.channels.own().begin() + 1);  // the read-only one
+  EXPECT_EQ(reason("", true), "a write needs a channel or an address");
+}
+
+TEST_F(CommandJobTest, APartOfAResponseMayBeRefusedOrHaveNoValue) {
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.device = "press";
+  command.target = ChannelTarget{"speed"};
+  auto job = make(command);
+  ASSERT_TRUE(job);
+  auto other = *job;
+  job->responded({{Cause::kDeviceError, 2, {}}}, {});
+  EXPECT_EQ(result(*job).cause, Cause::kDeviceError);
+  EXPECT_EQ(result(*job).device_code, 2);
+  other.responded({{Cause::kNone, 0, {0, 7}, {{2, 101, 1}}}}, {});
+  EXPECT_EQ(result(other).cause, Cause::kNotAvailable);
+}
+
+TEST_F(CommandJobTest, ARawValueThatMeansNoneIsNotAvailable) {
+  Encoding encoding{.type = ValueType::kInt16};
+  encoding.not_available = {0x8000};
+  add("level", {2, 200, 1}, encoding, Access::kReadOnly);
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.device = "press";
+  command.target = ChannelTarget{"level"};
+  auto job = make(command);
+  job->responded(items({0x80, 0x00}), {});
+  EXPECT_EQ(result(*job).cause, Cause::kNotAvailable);
+  EXPECT_EQ(result(*job).reason, to_text(Cause::kNotAvailable));
+}
+
+TEST_F(CommandJobTest, AFailureNamesWhatWasSeenInPlaceOfAResponse) {
+  Command command;
+  command.operation = Operation::kAcquire;
+  command.device = "press";
+  command.target = ChannelTarget{"speed"};
+  auto job = make(command);
+  job->failed(Cause::kChecksum, 0, "01 03 02");
+  EXPECT_EQ(result(*job).reason, std::string(to_text(Cause::kChecksum)) + "; 01 03 02");
+}
+
+// A device may format the same number in another way, and a broken one sends none.
+TEST_F(CommandJobTest, ANumberAsTextIsVerifiedByItsValue) {
+  add("target", {2, 200, 3},
+      {.type = ValueType::kFloat32,
+       .string_bytes = 6,
+       .text_number = {.kind = TextNumber::Kind::kDecimal}},
+      Access::kReadWrite);
+  const auto state = [&](std::string_view text) {
+    auto job = make(write("target", 25.0, true));
+    job->responded({{}}, {});
+    job->responded(items(Bytes(text.begin(), text.end())), {});
+    return result(*job).state;
+  };
+  EXPECT_EQ(state("+25.00"), CommandState::kVerified);
+  EXPECT_EQ(state("  25.0"), CommandState::kVerified);
+  EXPECT_EQ(state("  26.0"), CommandState::kFailed);
+  EXPECT_EQ(state("------"), CommandState::kFailed);
+}
+
+TEST_F(CommandJobTest, AReadAfterAWriteThatIsRefusedIsSaidSo) {
+  auto job = make(write("setpoint", std::uint64_t{500}, true));
+  job->use_distinct_responses();
+  job->responded({{}}, {});
+  job->failed(Cause::kDeviceError, 2);
+  EXPECT_FALSE(job->next());
+  EXPECT_TRUE(result(*job).reason.starts_with("written, but reading back failed: "));
+}
+
+TEST_F(CommandJobTest, OnlyAWriteOfWhatIsReadableIsReadFirst) {
+  add("start", {2, 110, 1}, {}, Access::kWriteOnly);
+  const auto first = [&](const Command& command) {
+    auto job = make(command);
+    job->read_first();
+    return *job->next();
+  };
+  EXPECT_TRUE(std::holds_alternative<ReadRequest>(first(write("setpoint", std::uint64_t{5}))));
+  EXPECT_TRUE(std::holds_alternative<WriteRequest>(first(write("start", std::uint64_t{5}))));
+  Command acquire = write("speed", std::uint64_t{0});
+  acquire.operation = Operation::kAcquire;
+  auto job = make(acquire);
+  job->read_first();
+  job->responded(items({0, 7}), {});
+  EXPECT_EQ(result(*job).state, CommandState::kDone);
+}
+
 TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   Command command;
   command.operation = Operation::kAcquire;

@@ -81,6 +81,40 @@ TEST(Deadband, AValueAcrossALowLimitIsPublished) {
   EXPECT_FALSE(level.read(13));
 }
 
+TEST(Deadband, TheHysteresisOfEachLimitIsAnEdgeToo) {
+  struct Row {
+    Limits limits;
+    std::uint16_t active, before, inside;  // `before`: one short of the value that ends the alarm
+  };
+  const Row rows[] = {
+      {{.low_low = 100, .hysteresis = 2}, 99, 101, 102},
+      {{.low = 100, .hysteresis = 2}, 99, 101, 102},
+      {{.high = 100, .hysteresis = 2}, 101, 99, 98},
+      {{.high_high = 100, .hysteresis = 2}, 101, 99, 98},
+  };
+  for (const Row& row : rows) {
+    BusSpec bus = one_channel({ValueType::kUint16}, 5);
+    bus.devices[0].channels[0].limits = row.limits;
+    Readings level(bus);
+    EXPECT_TRUE(level.read(row.before)) << "the first value";
+    EXPECT_TRUE(level.read(row.active));
+    EXPECT_TRUE(level.alarm());
+    EXPECT_TRUE(level.read(row.before));
+    EXPECT_TRUE(level.alarm());
+    EXPECT_TRUE(level.read(row.inside));
+    EXPECT_FALSE(level.alarm());
+  }
+}
+
+TEST(Deadband, ATextIsHeldBackWhileItIsTheSame) {
+  for (const double deadband : {0.0, 5.0}) {
+    Readings state(one_channel({.type = ValueType::kString, .string_bytes = 2}, deadband));
+    EXPECT_TRUE(state.read(*from_hex("4F4E")));
+    EXPECT_FALSE(state.read(*from_hex("4F4E"))) << deadband;
+    EXPECT_TRUE(state.read(*from_hex("4F46"))) << deadband;
+  }
+}
+
 // Regression: the interest promises each of its refreshes to DDS, whatever the heartbeat.
 TEST(Deadband, AChannelOnInterestIsPublishedAtEachRefresh) {
   BusSpec bus = one_channel({ValueType::kUint16}, 5);

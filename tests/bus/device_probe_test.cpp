@@ -85,6 +85,24 @@ TEST(DeviceProbe, EndsWhenTheBusCannotSend) {
   }
 }
 
+// The first is a fault of the items that the device sent, the second one of the request.
+TEST(DeviceProbe, ARangeFaultIsAResponseIfTheRequestWasSent) {
+  for (const CommandState state : {CommandState::kFailed, CommandState::kRejected}) {
+    DeviceProbe probe(test::rtu_bus(1).devices, kLimit);
+    CommandResult result = result_of(*probe.next(), Cause::kRange);
+    result.state = state;
+    probe.on_result(result);
+    EXPECT_EQ(probe.devices()[0].channels[0].responded, state == CommandState::kFailed);
+  }
+}
+
+TEST(DeviceProbe, ADeviceWithoutChannelsIsLeftOut) {
+  auto devices = test::rtu_bus(2).devices;
+  devices[0].channels.resize(0);
+  DeviceProbe probe(devices, kLimit);
+  EXPECT_EQ(run(probe, Cause::kNoResponse), (std::vector<std::string>{"unit-2/r0", "unit-2/r1"}));
+}
+
 TEST(DeviceProbe, IsBounded) {
   BusSpec bus = test::rtu_bus(100);
   DeviceProbe probe(bus.devices, kLimit, 4);

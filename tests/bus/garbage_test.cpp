@@ -85,6 +85,7 @@ TEST(Garbage, TextWithAParityBitNamesTheFormat) {
   EXPECT_THAT(looks_like(even, k8N1, false), HasSubstr("try format 7E1"));
   EXPECT_THAT(looks_like(odd, k8N1, false), HasSubstr("try format 7O1"));
   EXPECT_THAT(looks_like(odd, k8N1, true), HasSubstr("serial server"));
+  EXPECT_THAT(looks_like(odd, {19200, 7, Parity::kNone, 1}, false), Not(HasSubstr("text of 7")));
 }
 
 // With INPCK, the driver delivers a character with wrong parity as 00.
@@ -94,6 +95,8 @@ TEST(Garbage, AnotherParityNamesTheFormatsToTry) {
     if (std::popcount(byte) % 2 != 0) byte = 0;
   }
   EXPECT_THAT(looks_like(received, k8E1, false), AllOf(HasSubstr("8N1"), HasSubstr("8O1")));
+  constexpr LineFormat k8O1{19200, 8, Parity::kOdd, 1};
+  EXPECT_THAT(looks_like(received, k8O1, false), AllOf(HasSubstr("8N1"), HasSubstr("8E1")));
 }
 
 TEST(Garbage, OneLevelAloneIsTheWiring) {
@@ -195,6 +198,9 @@ TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
   EXPECT_EQ(response_shape(kRequest, kRequest, 9), ResponseShape::kOther) << "an echo";
   EXPECT_EQ(response_shape(Bytes{1, 3, 4}, kRequest, 0), ResponseShape::kOther)
       << "of unknown length";
+  EXPECT_EQ(response_shape(Bytes{5, 3, 4}, Bytes{5}, 3), ResponseShape::kOther)
+      << "a request too short to begin like it";
+  EXPECT_EQ(broken_response_text(ResponseShape::kOther), "");
 }
 
 TEST(Garbage, ShowsTheLastBytesOfAFlood) {

@@ -251,6 +251,37 @@ TEST_F(InFlightBus, AStreamWithoutHeaderIsOpenedAgain) {
   EXPECT_GT(good_, before + 20);
 }
 
+TEST_F(InFlightBus, BytesOfAClosedConnectionAreIgnored) {
+  feed(Opened{});
+  run(20ms);
+  ASSERT_FALSE(waiting_.empty());
+  feed(Closed{.reason = "closed by the other side"});
+  const std::uint64_t before = good_;
+  respond_at_once();
+  EXPECT_EQ(good_, before);
+}
+
+struct DatagramBus : InFlightBus {
+  DatagramBus() : InFlightBus(over_udp()) {}
+  static BusSpec over_udp() {
+    BusSpec spec = InFlightBus::spec(1);
+    std::get<TcpPortSpec>(spec.port).datagrams = true;
+    return spec;
+  }
+};
+
+TEST_F(DatagramBus, ADatagramOfAnotherExchangeCostsNothing) {
+  piece_ = 100;
+  feed(Opened{});
+  run(500ms);
+  EXPECT_GT(good_, 100u);
+  const std::uint64_t before = good_;
+  feed(Received{Bytes{0x77, 0x77, 0, 0, 0, 5, 1, 3, 2, 0, 9}});
+  EXPECT_FALSE(reopened_);
+  run(50ms);
+  EXPECT_GT(good_, before + 10);
+}
+
 // Clients of a gateway read the device's clock and a register that they also write.
 class GatewayInFlight : public InFlightBus {
  protected:

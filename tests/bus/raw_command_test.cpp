@@ -94,6 +94,61 @@ TEST_F(RawCommandTest, ATypeThatDoesNotFitTheAddressIsRejectedAsAChannelWouldBe)
   EXPECT_EQ(make(raw_read("holding:1", {kUint8}, 1)).error().cause, Cause::kWrongType);
 }
 
+TEST_F(RawCommandTest, EachRefusedWriteHasItsReason) {
+  const Encoding bit{ValueType::kBool};
+  EXPECT_EQ(why_not(raw("V10.6", bit, {true, false})), "bits of a word are written one at a time");
+  use("modbus-rtu");
+  const Encoding text{.type = ValueType::kString, .string_bytes = 250};
+  EXPECT_EQ(why_not(raw("holding:0", text, {std::string("a")})),
+            "'holding:0' needs 125 items in one write; allowed: at most 123");
+  const std::vector<Value> many(124, Value{std::uint64_t{7}});
+  EXPECT_EQ(why_not(raw("holding:0", {}, many)), "too many values for one request");
+}
+
+TEST_F(RawCommandTest, TheBitOfAnAddressMayBeNamedAgain) {
+  Encoding third{ValueType::kBool};
+  third.bit = 3;
+  EXPECT_EQ(why_not(raw_read("V10.3", third, 1)), "taken");
+}
+
+TEST_F(RawCommandTest, AnOrderOfTheCommandHolds) {
+  use("modbus-rtu");
+  Encoding word{.type = ValueType::kUint32, .word_order = WordOrder::kLittleEndian};
+  auto job = make(raw("holding:0", word, {std::uint64_t{0x12345678}}));
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x56, 0x78, 0x12, 0x34}));
+  Encoding text{.type = ValueType::kString, .string_bytes = 4};
+  text.byte_order = ByteOrder::kLittleEndian;
+  job = make(raw("holding:0", text, {std::string("abcd")}));
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{'b', 'a', 'd', 'c'}));
+}
+
+// Function 23 carries two registers less than function 16.
+TEST_F(RawCommandTest, AWriteTooLongToBeReadBackAtOnceIsReadBackAfterwards) {
+  use("modbus-rtu", {{"read-write", "true"}});
+  for (const std::size_t values : {121u, 123u}) {
+    Command command = raw("holding:0", {}, std::vector<Value>(values, Value{std::uint64_t{7}}));
+    command.verify = true;
+    const auto job = make(command);
+    ASSERT_TRUE(job) << job.error().reason;
+    EXPECT_EQ(std::holds_alternative<WriteReadRequest>(*job->next()), values == 121u);
+  }
+}
+
+TEST_F(RawCommandTest, NumbersAsTextAreReadBackOneByOneOnly) {
+  use("modbus-rtu");
+  const Encoding number{.type = ValueType::kFloat32,
+                        .string_bytes = 6,
+                        .text_number = {.kind = TextNumber::Kind::kDecimal}};
+  Command command = raw("holding:0", number, {25.0, 26.0});
+  command.verify = true;
+  auto job = make(command);
+  ASSERT_TRUE(job) << job.error().reason;
+  job->responded({{}}, {});
+  const std::string_view text = "+25.00+26.00";
+  job->responded(items(Bytes(text.begin(), text.end())), {});
+  EXPECT_EQ(result(*job).cause, Cause::kNotVerified);
+}
+
 TEST_F(RawCommandTest, CountIsValuesOfTheTypeOneBehindTheOther) {
   auto job = make(raw_read("VW10", {ValueType::kInt16}, 3));
   ASSERT_TRUE(job);

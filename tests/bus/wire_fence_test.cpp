@@ -50,6 +50,7 @@ TEST_F(WireFenceTest, WithoutAFenceEverythingIsAllowed) {
   none.opened(at(0ms));
   EXPECT_TRUE(none.may_send(at(0ms)));
   EXPECT_EQ(none.sign_from(), kNever);
+  EXPECT_EQ(none.sign_due(), kNever);
 }
 
 TEST_F(WireFenceTest, ALockIsWaitedWithUntilTheResponseToAnotherBridgeHasCome) {
@@ -58,6 +59,18 @@ TEST_F(WireFenceTest, ALockIsWaitedWithUntilTheResponseToAnotherBridgeHasCome) {
   EXPECT_FALSE(lock.may_send(at(219ms)));
   EXPECT_EQ(lock.look_again(at(219ms)), at(220ms));
   EXPECT_TRUE(lock.may_send(at(220ms)));
+}
+
+TEST_F(WireFenceTest, AServerOfOneClientIsWaitedWithLikeALock) {
+  BusSpec bus = bus_with(Fence::kNone);
+  TcpPortSpec port;
+  port.line = LineFormat{};
+  port.fence.kind = Fence::kOneClient;
+  bus.port = port;
+  WireFence server(bus);
+  server.opened(at(0ms));
+  EXPECT_FALSE(server.may_send(at(100ms)));
+  EXPECT_TRUE(server.may_send(at(1s)));
 }
 
 TEST_F(WireFenceTest, NothingIsSentBeforeTheWireWasSilent) {
@@ -208,6 +221,16 @@ TEST_F(WireFenceTest, ARequestThatWasNotSentIsListenedFor) {
   EXPECT_TRUE(fence.listening());
   EXPECT_FALSE(fence.may_send(at(859ms)));
   EXPECT_TRUE(fence.may_send(at(860ms))) << "420 ms after the last byte";
+}
+
+TEST_F(WireFenceTest, BeforeItHoldsTheWireNothingIsKeptAndNothingEnds) {
+  fence.opened(at(0ms));
+  EXPECT_FALSE(fence.keeps(at(100ms)));
+  EXPECT_FALSE(fence.ended(true, Bytes{0x01, 0x83, 0x02, 0xC0, 0xF1}, at(100ms)));
+  fence.not_sent(at(100ms));
+  EXPECT_TRUE(fence.may_send(at(420ms))) << "as if nothing had been asked";
+  hold();
+  EXPECT_TRUE(fence.keeps(at(440ms)));
 }
 
 TEST_F(WireFenceTest, BytesAfterALongSilenceMayBeOfAnotherMaster) {

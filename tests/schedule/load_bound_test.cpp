@@ -98,6 +98,13 @@ TEST(LoadBound, IsNotKnownForListsOfRanges) {
   ScheduleInput input = bus(1, 3);
   for (DeviceTiming& device : input.devices) device.protocol = protocol.get();
   EXPECT_FALSE(load_bound_of(input));
+  EXPECT_FALSE(proven_load(input, std::vector<Duration>(input.points.size())));
+}
+
+TEST(LoadBound, IsNotSearchedForThousandsOfPoints) {
+  test::Map map;
+  for (std::uint32_t i = 0; i < 2001; ++i) map.push_back({1, i, 1.0});
+  EXPECT_FALSE(load_bound_of(test::input_of(map, kFakeProtocol)));
 }
 
 }  // namespace

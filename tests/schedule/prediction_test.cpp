@@ -5,6 +5,8 @@
 
 #include <array>
 
+#include "core/schedule/bus_plan.hpp"
+#include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
 #include "core/schedule/planned_times.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
@@ -98,6 +100,54 @@ TEST(Prediction, ImpossiblePlanIsReportedInBoundedTime) {
   const Prediction prediction = predict(input, {.max_reads = 2000});
   EXPECT_FALSE(prediction.feasible);
   EXPECT_LE(prediction.reads, 2000u);
+}
+
+TEST(Prediction, RunsAsLongAsAsked) {
+  const ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
+  EXPECT_GE(predict(input).horizon, 60s);
+  const Prediction brief = predict(input, {.horizon = 5s});
+  EXPECT_GE(brief.horizon, 4s);
+  EXPECT_LE(brief.horizon, 6s);
+}
+
+TEST(Remedies, WhereNothingHelpsThereAreNone) {
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
+  input.points.push_back({.refresh = 1s, .mode = Mode::kOnDemand});
+  const Remedies remedies = find_remedies(
+      input, [](const ScheduleInput&) { return false; }, 1.5, Planner::kCyclic);
+  EXPECT_FALSE(remedies.stretch || remedies.baud || remedies.buses);
+  EXPECT_FALSE(remedies.longer_reads || remedies.no_pause);
+  EXPECT_TRUE(remedies.slower.empty());
+}
+
+TEST(Remedies, WhatIsReadOnDemandIsNotReadLessOften) {
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
+  const auto on_demand = static_cast<PointIndex>(input.points.size());
+  input.points.push_back({.refresh = input.points.front().refresh, .mode = Mode::kOnDemand});
+  const auto longer = [&](const ScheduleInput& other) {
+    return other.points.front().refresh > input.points.front().refresh;
+  };
+  const Remedies remedies = find_remedies(input, longer, 1.5, Planner::kCyclic);
+  ASSERT_EQ(remedies.slower.size(), 1u);
+  EXPECT_EQ(remedies.slower[0].points.size(), 5u);
+  for (const PointIndex point : remedies.slower[0].points) EXPECT_NE(point, on_demand);
+}
+
+TEST(Remedies, AGapThatMayNotBeBridgedIsALimit) {
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
+  const auto without = [](const ScheduleInput& other) { return !other.devices[0].max_gap; };
+  input.devices[0].max_gap = 0;
+  EXPECT_TRUE(find_remedies(input, without, 1.5, Planner::kCyclic).longer_reads);
+}
+
+// The device without points is on no line.
+TEST(Remedies, OnlyDevicesThatAreReadAreSpread) {
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
+  input.devices.push_back(input.devices.front());
+  const auto single = [](const ScheduleInput& other) { return other.points.size() <= 5; };
+  EXPECT_EQ(find_remedies(input, single, 1.5, Planner::kCyclic).buses, 2u);
+  std::erase_if(input.points, [](const Point& point) { return point.device != 0; });
+  EXPECT_FALSE(find_remedies(input, single, 1.5, Planner::kCyclic).buses);
 }
 
 TEST(Prediction, NothingToReadIsFeasible) {
@@ -225,6 +275,67 @@ TEST(LoadCheck, TextStatesTheAmountAndTheFix) {
                              HasSubstr("at 57600 baud or more"), HasSubstr("'fieldcast plan'")));
   EXPECT_THAT(to_text(Overload{30, 31, std::nullopt}),
               testing::AllOf(HasSubstr("30 times"), Not(HasSubstr("baud"))));
+}
+
+class Advice : public testing::Test {
+ protected:
+  Advice() { plan_.prediction.feasible = false; }
+  Remedies& remedies() { return plan_.prediction.remedies; }
+  BusSpec bus_ = bus_of(2, 1s, 19200);
+  BusPlan plan_ = make_plan(bus_, 5ms);
+};
+
+TEST_F(Advice, WithoutARemedyItIsToReadLess) {
+  const auto ways = advice(plan_);
+  ASSERT_EQ(ways.size(), 1u);
+  EXPECT_TRUE(ways[0].starts_with("read fewer channels of each device")) << ways[0];
+}
+
+TEST_F(Advice, AConnectionWithoutALineHasNoBaud) {
+  remedies().baud = 38400;
+  remedies().no_pause = true;
+  EXPECT_EQ(advice(plan_).size(), 2u);
+  bus_.port = TcpPortSpec{.host = "127.0.0.1", .port = 502};
+  const auto ways = advice(plan_);
+  ASSERT_EQ(ways.size(), 1u);
+  EXPECT_TRUE(ways[0].starts_with("take away the pause")) << ways[0];
+}
+
+TEST_F(Advice, ChannelsThatAreNotReadByThemselvesAreNotNamed) {
+  bus_.devices[0].channels.own()[0].mode = Mode::kOnDemand;
+  plan_ = make_plan(bus_, 5ms);
+  plan_.prediction.feasible = false;
+  remedies().slower = {{1s, 2s, {*plan_.point_of[1]}}};
+  EXPECT_EQ(advice(plan_), std::vector<std::string>{"refresh plc/r1 every 2s instead of 1s"});
+}
+
+TEST(ShareOfPossible, IsUnknownWithoutABound) {
+  const BusSpec bus = bus_of(2, 1s, 19200);
+  BusPlan plan = make_plan(bus, 5ms);
+  EXPECT_TRUE(share_of_possible(plan));
+  plan.bound->load = 0;
+  EXPECT_FALSE(share_of_possible(plan));
+  plan.bound.reset();
+  EXPECT_FALSE(share_of_possible(plan));
+}
+
+TEST(SilenceFor, AConnectionRestsOnlyIfItIsConfigured) {
+  BusSpec bus = bus_of(2, 1s, 19200);
+  bus.port = TcpPortSpec{.host = "127.0.0.1", .port = 502};
+  EXPECT_EQ(silence_for(bus), Duration::zero());
+  bus.silence = Duration{10ms};
+  EXPECT_EQ(silence_for(bus), 10ms);
+}
+
+// Two channels of the same item: the point is read as the more urgent one asks for.
+TEST(AskFor, AnIntensiveChannelMakesItsPointIntensive) {
+  BusSpec bus = bus_of(2, 1s, 19200);
+  auto& channels = bus.devices[0].channels.own();
+  channels[1].range = channels[0].range;
+  channels[1].mode = Mode::kIntensive;
+  const PointMap map = map_points(bus);
+  ASSERT_EQ(map.points.size(), 1u);
+  EXPECT_EQ(map.points[0].mode, Mode::kIntensive);
 }
 
 }  // namespace

@@ -10,8 +10,7 @@
 namespace fieldcast {
 namespace {
 
-tl::unexpected<CommandFault> fault(Cause cause, std::string reason = {}) {
-  if (reason.empty()) reason = to_text(cause);
+tl::unexpected<CommandFault> fault(Cause cause, std::string reason) {
   return tl::make_unexpected(CommandFault{cause, std::move(reason)});
 }
 
