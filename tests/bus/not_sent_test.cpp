@@ -120,6 +120,21 @@ TEST_F(NotSentTest, ACommandThatNeverLeftIsRefusedWithoutDoubt) {
   EXPECT_EQ(results_[0].result.cause, Cause::kShutdown);
 }
 
+// The device may still respond to the first try, so the read is not simply asked again.
+TEST_F(NotSentTest, ASecondTryThatNeverLeftEndsTheRead) {
+  const auto given_up = [&] {
+    return engine().bus_report(wire_.now()).causes[Cause::kForeignMaster];
+  };
+  wire_.cut(0, true);
+  decided_ = 0;
+  while (decided_ == 0) pass(1ms);
+  may_send_ = false;
+  EXPECT_EQ(given_up(), 0u);
+  while (decided_ == 1) pass(1ms);
+  EXPECT_EQ(given_up(), 1u);
+  EXPECT_EQ(device().failures, 0u);
+}
+
 // The read-back is withheld, so the write must not be repeated before the device was read.
 TEST_F(NotSentTest, AWriteThatLeftIsReadBackBeforeItIsWrittenAgain) {
   wire_.cut(0, true);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
 #include "tests/bus/rtu_bus.hpp"
 
@@ -235,6 +236,71 @@ TEST_F(ReadPathTest, AReadThatWouldHaveToWaitIsMadeLonger) {
   EXPECT_TRUE(notices().empty()) << "that says nothing of the block";
   EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{20ms}, owed_of_four)))
       << "and is not tried again";
+}
+
+TEST_F(ReadPathTest, AReadIsMadeLongerOnlyAsFarAsTheDeviceAllows) {
+  const auto longer = [](std::uint32_t first, std::optional<std::uint16_t> max_gap) {
+    BusSpec spec = test::rtu_bus(1);
+    auto& device = spec.devices[0];
+    device.max_gap = max_gap;
+    device.channels.resize(1);
+    device.channels.own()[0].range.first = first;
+    const BusSetup setup(spec);
+    ChannelTable channels(setup.spec());
+    ReadPath reads(setup, channels);
+    const auto decision = reads.next(Instant{}, [](DeviceIndex, const Request& request) {
+      return std::get<ReadRequest>(request).ranges[0].count == 1 ? Instant{500ms} : kLongAgo;
+    });
+    return std::holds_alternative<Read>(decision) && std::get<Read>(decision).longer;
+  };
+  EXPECT_TRUE(longer(100, {}));
+  EXPECT_TRUE(longer(100, 1));
+  EXPECT_FALSE(longer(100, 0));
+  EXPECT_TRUE(longer(65534, {}));
+  EXPECT_FALSE(longer(65535, {})) << "the last register of the area";
+}
+
+TEST_F(ReadPathTest, AResponseWithoutItsRangesIsReadAgain) {
+  answer(next(Instant{}), {}, Instant{20ms});
+  for (const Sample& sample : samples()) EXPECT_NE(sample.quality, Quality::kGood);
+  refuse_address(0);  // none of these
+  std::set<ChannelIndex> good;
+  for (const Sample& sample : samples()) {
+    if (sample.quality == Quality::kGood) good.insert(sample.channel);
+  }
+  EXPECT_EQ(good, (std::set<ChannelIndex>{0, 1, 2, 3}));
+}
+
+TEST_F(ReadPathTest, ManyChannelsOfABlockAreCounted) {
+  const Block block = next(Instant{}).block;
+  EXPECT_EQ(reads_.channel_names(block, 2), "r0, r1, +2");
+  EXPECT_EQ(reads_.channel_names(block, 4), "r0, r1, r2, r3");
+}
+
+TEST_F(ReadPathTest, TheLongestBlockOfAnotherBridgeHolds) {
+  DeviceReport learned;
+  learned.areas = {{.area = "holding", .longest_block = 2}};
+  reads_.inherit(0, learned, Instant{});
+  EXPECT_LE(next(Instant{}).block.ranges[0].count, 2u);
+}
+
+TEST_F(ReadPathTest, AReportListsABoundedNumberOfRefusedAddresses) {
+  BusSpec spec = test::rtu_bus(1);
+  auto& channels = spec.devices[0].channels.own();
+  channels.resize(ReadPath::kMaxRefusedListed + 6, channels.front());
+  DeviceReport learned;
+  for (std::uint32_t i = 0; i < channels.size(); ++i) {
+    channels[i].range.first = 3 * i;
+    channels[i].at = "holding:" + std::to_string(3 * i);
+    learned.refused.push_back(channels[i].at);
+  }
+  const BusSetup setup(spec);
+  ChannelTable table(setup.spec());
+  ReadPath reads(setup, table);
+  reads.inherit(0, learned, Instant{});
+  DeviceReport report;
+  reads.describe(0, report);
+  EXPECT_EQ(report.refused.size(), ReadPath::kMaxRefusedListed);
 }
 
 TEST_F(ReadPathTest, AReadThatMustWaitIsHeldBackAndReleased) {

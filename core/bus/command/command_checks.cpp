@@ -204,7 +204,7 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
                                                         const Encoding& encoding,
                                                         std::uint32_t count) {
   const Area& area = protocol_->areas()[address.area];
-  const bool bits = encoding.type == ValueType::kBool && encoding.bit && area.item_bits > 1;
+  const bool bits = encoding.type == ValueType::kBool && encoding.bit;
   if (count > 1 && !bits && is_part(encoding, area.item_bits))
     return fault(Cause::kUnsupported, "bytes of an item are read and written one at a time");
   const std::uint32_t width = item_count(encoding, area.item_bits);
@@ -262,10 +262,10 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
     if (!items) return tl::make_unexpected(unfit(subject, command_.values[i], items.error()));
     if (channel) {
       const Value& value = command_.values[i];
-      const bool is_rounded = subject.encoding.scaled() && subject.encoding.exponent_distance == 0;
-      const auto stored = is_rounded ? decode_value(subject.encoding, area(subject.range).item_bits,
-                                                    *items, *codec_)
-                                     : value;
+      const auto stored =
+          subject.encoding.scaled()
+              ? decode_value(subject.encoding, area(subject.range).item_bits, *items, *codec_)
+              : value;
       if (auto ok = check_limits(*channel, value, stored.value_or(value)); !ok) return ok;
     }
     append(image_, *items);
