@@ -115,5 +115,55 @@ TEST_F(RefusingDevice, DeviceThatRefusesEverythingIsLeftAloneInTheEnd) {
   EXPECT_GT(std::get<Rest>(scheduler_->next(wire_->now())).until, wire_->now() + 500s);
 }
 
+class RefusalSearchTest : public ::testing::Test {
+ protected:
+  static constexpr Duration kForget = 60s;
+  void cut(const std::vector<OrderIndex>& refused) {
+    search_.cut(points_, refused, Instant{}, kForget);
+  }
+  std::vector<PointState> points_{16};
+  RefusalSearch search_;
+};
+
+TEST_F(RefusalSearchTest, OnlyPointsThatAreReadAreSuspect) {
+  points_[1].mode = Mode::kOnDemand;
+  points_[2].bad = true;
+  points_[3].readable = false;
+  cut({0, 1, 2, 3});
+  EXPECT_TRUE(points_[0].suspect);
+  for (const OrderIndex index : {1u, 2u, 3u}) EXPECT_FALSE(points_[index].suspect) << index;
+}
+
+TEST_F(RefusalSearchTest, ASuspectThatIsNoLongerReadDoesNotHoldUpTheSearch) {
+  cut({0, 1, 2, 3});
+  search_.mark_bad(points_, 0, Instant{}, kForget);
+  for (const OrderIndex index : {1u, 2u}) points_[index].suspect = false;
+  search_.settle(points_, 0, 4);
+  EXPECT_TRUE(search_.searching()) << "for the last one";
+  points_[3].mode = Mode::kOnDemand;
+  search_.settle(points_, 0, 4);
+  EXPECT_FALSE(search_.searching());
+  EXPECT_EQ(points_[2].cut_until, Instant{}) << "the bad point explains the refusal";
+}
+
+TEST_F(RefusalSearchTest, ABadPointExplainsOnlyTheRefusalOfItsBlock) {
+  cut({4, 5});
+  cut({8, 9});
+  search_.mark_bad(points_, 8, Instant{}, kForget);
+  for (PointState& point : points_) point.suspect = false;
+  search_.settle(points_, 0, 16);
+  EXPECT_FALSE(search_.searching());
+  EXPECT_EQ(points_[5].cut_until, Instant{} + kForget) << "a gap that the device refuses";
+  EXPECT_EQ(points_[9].cut_until, Instant{});
+}
+
+TEST_F(RefusalSearchTest, TheOldestOfTooManySearchesEnds) {
+  cut({10, 11});
+  for (int i = 0; i < 256; ++i) cut({0, 1});
+  for (const OrderIndex index : {0u, 1u}) points_[index].suspect = false;
+  search_.settle(points_, 0, 2);
+  EXPECT_FALSE(search_.searching());
+}
+
 }  // namespace
 }  // namespace fieldcast::test

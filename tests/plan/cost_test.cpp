@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "core/plan/refresh.hpp"
+#include "core/plan/shape/point_state.hpp"
 #include "core/plan/wire_model.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast {
@@ -61,6 +63,37 @@ TEST(ReadCost, WindowsAreReadWhole) {
   EXPECT_TRUE(cost.fits({kWindow, 0, 64}));
   EXPECT_EQ(cost.of({kWindow, 0, 64}), kLine.characters(13 + 64) + 5ms);
   EXPECT_EQ(cost.bridge(), 64u) << "one request for all of them";
+}
+
+TEST(ReadCost, AWindowStaysWholeWhateverWasLearned) {
+  ReadCost cost(timing(), kWindow, kLine, 3ms, 1);
+  cost.set_longest(10);
+  EXPECT_EQ(cost.limit(), 64u);
+  EXPECT_TRUE(cost.fits({kWindow, 0, 64}));
+}
+
+TEST(ReadCost, NoReadGoesFromOneBankToTheNext) {
+  const auto protocol =
+      *find_protocol("modbus-rtu")->make({.address = 1, .options = {}, .line = {}});
+  DeviceTiming device = timing();
+  device.protocol = protocol.get();
+  constexpr AreaIndex kFiles = 4;
+  const ReadCost cost(device, kFiles, kLine, 3ms, 10);
+  EXPECT_TRUE(cost.of_single({kFiles, 9998, 2}));
+  EXPECT_FALSE(cost.of_single({kFiles, 9999, 2}));
+}
+
+TEST(AllowedGap, IsNeverLessThanANanosecond) {
+  EXPECT_EQ(allowed_gap_of(1000, 50ns), 950ns);
+  EXPECT_EQ(allowed_gap_of(1000, 1s), 900ns) << "a tenth early at the most";
+  EXPECT_EQ(allowed_gap_of(1, 0ns), 1ns);
+  EXPECT_EQ(allowed_gap_of(0.2, 0ns), 1ns);
+}
+
+TEST(Later, NeverIsTheLatest) {
+  EXPECT_EQ(later(Instant{1s}, 2s), Instant{3s});
+  EXPECT_EQ(later(kNever - 1s, 2s), kNever);
+  EXPECT_EQ(later(kNever, 1s), kNever);
 }
 
 TEST(ReadCost, BridgeEndsWhereAnotherRequestIsCheaper) {
