@@ -152,6 +152,14 @@ TEST(BusParts, TheTextOfALongListShowsItsFirstRanges) {
   EXPECT_TRUE(text.ends_with(", holding:310, +2 (is it back?)")) << text;
 }
 
+TEST(BusParts, ACommandThatHasEndedIsNotNamed) {
+  const BusParts parts(rtu_bus(1), plain_text_codec());
+  Flight flight;
+  flight.kind = Flight::Kind::kCommand;
+  flight.asked.request = ReadRequest{{{kHolding, 7, 2}}};
+  EXPECT_EQ(flight_text(parts, flight), "unit-1: read holding:7..8");
+}
+
 TEST(BusParts, DevicesThatAreNotConfiguredHaveAPlaceEachAndNoMore) {
   const BusSpec spec = rtu_bus(1);
   BusParts parts(spec, plain_text_codec());

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "core/bus/command/command_job.hpp"
+#include "core/bus/setup/bus_setup.hpp"
 #include "tests/bus/virtual_bus.hpp"
 #include "tests/support/declared_bus.hpp"
 
@@ -148,6 +150,36 @@ TEST(DeclaredNumber, IsNeverReadAsBytesByACommandToItsAddress) {
   EXPECT_EQ(known.state, CommandState::kDone) << known.reason;
   ASSERT_EQ(known.values.size(), 1u);
   EXPECT_TRUE(std::holds_alternative<double>(known.values[0]));
+}
+
+TEST(DeclaredField, IsOneValueAndWrittenOnlyByAnOperationOfItsOwn) {
+  BusSpec spec = gauge();
+  spec.devices[0].allow_raw_write = true;
+  const BusSetup setup(spec);
+  const auto reason = [&](const std::string& at, std::vector<Value> values, std::uint32_t count) {
+    Command command{.device = "d",
+                    .target = AddressTarget{at, {.type = ValueType::kString, .string_bytes = 7}},
+                    .values = std::move(values),
+                    .count = count};
+    if (command.values.empty()) command.operation = Operation::kAcquire;
+    const auto job = CommandJob::make(command, setup.device(0), 0, 0, setup.protocol(0));
+    return job ? "taken" : job.error().reason;
+  };
+  EXPECT_EQ(reason("level", {}, 1), "taken");
+  EXPECT_EQ(reason("level", {}, 2), "'level' with 2 values reaches beyond the field");
+  EXPECT_EQ(reason("level", {std::string("+025.00")}, 0),
+            "'level' is read-only: the protocol has no operation that writes it alone");
+}
+
+// Its protocol is that of the declaration, not that of the name alone.
+TEST(DeclaredField, OfAnAdHocDeviceIsReadByTheSameDeclarationOnly) {
+  const BusSetup setup(gauge());
+  DeviceSpec other = setup.device(0);
+  other.link.address = 2;
+  EXPECT_EQ(setup.why_not_ad_hoc(other), std::nullopt);
+  other.declaration = gauge(kCounter).devices[0].declaration;
+  EXPECT_EQ(setup.why_not_ad_hoc(other), "no device of this bus has the protocol gauge");
+  EXPECT_FALSE(only_network_protocols(setup.spec()));
 }
 
 }  // namespace

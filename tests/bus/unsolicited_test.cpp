@@ -175,6 +175,71 @@ TEST(Unsolicited, BytesWithoutAFrameAreDiscarded) {
   }
 }
 
+// The rest of a frame never comes after a long pause: what follows is another frame.
+TEST(Unsolicited, AFrameDoesNotGoOnAfterAPause) {
+  const BusSetup setup{test::bus_by(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0, baud: 9600 }\n"
+      "    protocol: meter\n    devices:\n      - name: m\n        address: 1\n"
+      "        channels:\n          - { name: p, at: power, type: float64, refresh: 3s }\n",
+      "meter", kSilentMeter)};
+  const std::string_view frame = "/P(0001.5)S(1234)!\r\n";
+  for (const Duration pause : {Duration{500ms}, Duration{1500ms}}) {
+    UnsolicitedListener listener(setup);
+    listener.opened();
+    const auto frames = [&](std::string_view text, Instant at) {
+      return listener.on_bytes(Bytes(text.begin(), text.end()), at).size();
+    };
+    (void)frames(frame, Instant{1s});  // its beginning may be missing
+    EXPECT_EQ(frames(frame, Instant{1100ms}), 1u);
+    EXPECT_EQ(frames(frame.substr(0, 6), Instant{1200ms}), 0u);
+    EXPECT_EQ(frames(frame.substr(6), Instant{1200ms} + pause), pause < 1s ? 1u : 0u);
+  }
+}
+
+// Channels that a frame does not contain, or that no frame brings, keep their last sample.
+TEST(Unsolicited, AFrameConcernsTheChannelsInItsRangeAlone) {
+  BusSpec bus;
+  DeviceSpec& device = bus.devices.emplace_back();
+  for (const std::uint32_t first : {0u, 1u, 3u, 4u}) {
+    ChannelSpec channel;
+    channel.name = "c" + std::to_string(first);
+    channel.range = {0, first, 1};
+    channel.unsolicited = true;
+    channel.refresh = 1s;
+    if (first == 1) channel.calculation.value = std::make_shared<Calculation>();
+    device.channels.push_back(channel);
+  }
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  const Range absent[] = {{0, 3, 1}};
+  table.unsolicited(0, {0, 0, 4}, Bytes{0, 7, 0, 8, 0, 9, 0, 10}, absent, Instant{1s}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].channel, 0u);
+  EXPECT_EQ(out[0].value, Value{std::uint64_t{7}});
+  EXPECT_EQ(out[1].channel, 2u);
+  EXPECT_EQ(out[1].quality, quality_of(Cause::kNotAvailable));
+}
+
+// A device that has sent nothing is silent, unless its port is known to be closed.
+TEST(Unsolicited, ALateChannelHasTheCauseThatIsKnown) {
+  for (const Cause cause : {Cause::kNone, Cause::kPortClosed}) {
+    BusSpec bus;
+    ChannelSpec channel;
+    channel.unsolicited = true;
+    channel.refresh = 1s;
+    bus.devices.emplace_back().channels.push_back(channel);
+    ChannelTable table(bus);
+    std::vector<Sample> out;
+    table.start(Instant{});
+    if (cause != Cause::kNone) table.failing(0, cause, Instant{500ms});
+    table.expire(Instant{2s}, out);
+    EXPECT_EQ(out.size(), 1u);
+    const CauseCounters misses = table.misses(Instant{2s});
+    EXPECT_EQ(misses[Cause::kPortClosed], cause == Cause::kPortClosed ? 1u : 0u);
+    EXPECT_EQ(misses[Cause::kNoResponse], cause == Cause::kNone ? 1u : 0u);
+  }
+}
+
 // Requests, responses and unsolicited frames use one line; some of them collide.
 TEST(Unsolicited, ADeviceIsPolledAndCommandedAsWell) {
   VirtualBus bus(line("      - name: a\n        address: 1\n        channels:\n"

@@ -28,6 +28,22 @@ class WireTest : public testing::Test {
   Bytes out_;
 };
 
+TEST(WireEcho, IsKnownIfItIsConfiguredOrThereIsNoLine) {
+  const auto echo_of = [](std::optional<bool> configured, const PortSpec& port) {
+    BusSpec spec = test::rtu_bus(1);
+    spec.echo = configured;
+    spec.port = port;
+    const BusSetup setup(spec);
+    Bytes session;
+    return Wire(setup, session).driver().echo();
+  };
+  const PortSpec line = SerialPortSpec{"/dev/none", {}}, network = TcpPortSpec{.host = "server"};
+  EXPECT_EQ(echo_of(true, line), Echo::kPresent);
+  EXPECT_EQ(echo_of(false, line), Echo::kAbsent);
+  EXPECT_EQ(echo_of({}, line), Echo::kUnknown);
+  EXPECT_EQ(echo_of({}, network), Echo::kAbsent);
+}
+
 TEST_F(WireTest, AFlightIsSentAcknowledgedAndAccepted) {
   wire_.launch(read());
   EXPECT_TRUE(wire_.waiting());
