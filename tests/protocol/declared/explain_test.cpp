@@ -171,5 +171,18 @@ TEST(Explain, TheLastRequestOfASessionHasTheNameOfItsOperation) {
   EXPECT_EQ(decoded("05"), "none");
 }
 
+TEST(CheckedResponse, IsAResponseOrARefusalWithTheRightChecksum) {
+  const auto modbus = declaration("modbus-rtu-declared");
+  const auto begins = [&](const std::string& bytes) {
+    return declared::begins_checked_response(*modbus, *from_hex(bytes));
+  };
+  EXPECT_TRUE(begins("01 03 02 12 34 B5 33"));
+  EXPECT_TRUE(begins("01 03 02 12 34 B5 33 FF"));
+  EXPECT_TRUE(begins("01 83 02 C0 F1")) << "a refusal";
+  EXPECT_FALSE(begins("01 03 02 12 34 B5 00"));
+  EXPECT_FALSE(begins("01 03 02 12 34 B5"));
+  EXPECT_FALSE(begins(""));
+}
+
 }  // namespace
 }  // namespace fieldcast::test

@@ -79,6 +79,7 @@ TEST_F(Tags, ALengthBehindATagSkipsUnknownOnes) {
   EXPECT_EQ(read(sensor, "title", 2, block), "41 42 00 00");
   EXPECT_EQ(read(sensor, "level", 1, "13 03 00FFFE"), absent_) << "another length is another value";
   EXPECT_EQ(read(sensor, "level", 1, "99 FF 13 02 FFFE"), absent_);
+  EXPECT_EQ(read(sensor, "level", 1, "99 01 00 13"), absent_) << "a tag without its length";
 }
 
 TEST_F(Tags, ThroughAllDisturbances) {
