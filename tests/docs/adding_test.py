@@ -28,7 +28,7 @@ EXAMPLES = {
     "a port": Example(
         # The port of RFC 2217 is made of the same parts.
         r"\bTcpPortSpec\b|\bStreamPort\b|stream_port", 14,
-        ["bridge/port/rfc2217_port.hpp", "bridge/port/tcp_opening.hpp", "tests/bridge/bus/", "tests/bus/", "tests/core/model/", "tests/tools/", "tools/cli/", "tools/sim/check/"]),
+        ["bridge/port/rfc2217_port.hpp", "bridge/port/tcp_opening.hpp", "tests/bridge/bus/", "tests/bus/", "tests/core/model/", "tests/schedule/", "tests/tools/", "tools/cli/", "tools/sim/check/"]),
     "a protocol in C++": Example(
         r"\bmitsubishi_fx\b|\bfx_device\b|\bFxDevice\b", 17, []),
     "a family of records in the store": Example(
