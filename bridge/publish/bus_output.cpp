@@ -10,14 +10,9 @@ namespace fieldcast {
 
 StoreRecorder::StoreRecorder(Store& store, const BusSpec& bus)
     : store_(store), bus_(bus.name), intake_(store.intake(bus)) {
-  for (const DeviceSpec& device : bus.devices) {
-    const DeviceLink& link = device.link;
+  for (const DeviceSpec& device : bus.devices)
     devices_[device.name] = {
-        device.protocol,
-        fmt::format("{}, {}", to_text(bus.port),
-                    link.long_address.empty() ? std::to_string(link.address) : link.long_address),
-        {}};
-  }
+        device.protocol, fmt::format("{}, {}", to_text(bus.port), address_text(device.link)), {}};
 }
 
 void StoreRecorder::put(std::span<const Sample> samples, const UtcMapping& mapping, Instant now) {

@@ -171,10 +171,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
   const bool has_address = address_node != nullptr && !refused &&
                            read_address(*address_node, choice, spec.link, state.faults);
   if (has_address && choice.known()) {
-    const std::string address = fmt::format(
-        "{} ({})",
-        spec.link.long_address.empty() ? std::to_string(spec.link.address) : spec.link.long_address,
-        spec.protocol);
+    const std::string address = fmt::format("{} ({})", address_text(spec.link), spec.protocol);
     context.addresses.add("address", address, map.position_of("address"), state.faults);
   }
 

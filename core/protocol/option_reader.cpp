@@ -29,11 +29,10 @@ OptionReader::OptionReader(const DeviceLink& link, const Traits& traits,
   }
   if (link.address < traits.lowest_address || link.address > traits.highest_address ||
       !link.long_address.empty()) {
-    refuse({},
-           "address " +
-               (link.long_address.empty() ? std::to_string(link.address) : link.long_address) +
-               " is outside what " + std::string(traits.name) + " has",
-           std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address));
+    refuse(
+        {},
+        "address " + address_text(link) + " is outside what " + std::string(traits.name) + " has",
+        std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address));
   }
 }
 

@@ -13,4 +13,8 @@ UnsolicitedFrame Protocol::find_unsolicited(ByteView bytes, bool) const {
   return {.used = bytes.size()};
 }
 
+std::string address_text(const DeviceLink& link) {
+  return link.long_address.empty() ? std::to_string(link.address) : link.long_address;
+}
+
 }  // namespace fieldcast

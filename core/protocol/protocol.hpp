@@ -296,6 +296,9 @@ struct DeviceLink {
   std::string long_address{};
   friend bool operator==(const DeviceLink&, const DeviceLink&) = default;
 };
+// As written.
+[[nodiscard]] std::string address_text(const DeviceLink& link);
+
 struct OptionFault {
   std::string option;  // name of the option; empty for the address
   std::string what;

@@ -154,9 +154,7 @@ void to_idl(std::string_view bridge, const BusSpec& bus, const DeviceSpec& devic
   out.bridge() = cut_text(bridge, kMaxNameLength);
   out.protocol() = cut_text(device.protocol, 64);
   out.port() = cut_text(to_text(bus.port), 128);
-  out.address() = cut_text(device.link.long_address.empty() ? std::to_string(device.link.address)
-                                                            : device.link.long_address,
-                           128);
+  out.address() = cut_text(address_text(device.link), 128);
   out.digits().clear();
   for (const ChannelSpec& channel : device.channels) {
     const std::optional<ShownDigits> shown = shown_digits(channel);

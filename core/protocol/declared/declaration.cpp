@@ -178,8 +178,7 @@ std::string item_text(const DeclaredArea& area, std::uint32_t item) {
 
 tl::expected<DeviceAddress, OptionFault> device_address(const Declaration& declaration,
                                                         const DeviceLink& link) {
-  const std::string text =
-      link.long_address.empty() ? std::to_string(link.address) : link.long_address;
+  const std::string text = address_text(link);
   const auto refuse = [&](std::string allowed) {
     return tl::unexpected(
         OptionFault{{},
