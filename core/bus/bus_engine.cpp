@@ -244,9 +244,9 @@ void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
 }
 
 void BusEngine::handle(const NotSent& event, Instant now, ActionSink& sink) {
-  const Wire* const sender = parts_.sender_of(event.bytes);
-  if (sender == nullptr) return;
-  parts_.select(*std::ranges::find(parts_.wires, sender, [](const Wire& wire) { return &wire; }));
+  const auto sender = parts_.sender_of(event.bytes);
+  if (!sender) return;
+  parts_.select(parts_.wires[*sender]);
   parts_.fence.not_sent(now);
   // Earlier requests of the exchange may have had an effect.
   if (!parts_.wire().first_request()) return give_up(Cause::kForeignMaster, now, sink);

@@ -3,14 +3,14 @@
 namespace fieldcast {
 
 std::string BusEngine::request_text(ByteView sent) const {
-  const Wire* wire = parts_.sender_of(sent);
-  return wire == nullptr ? std::string() : flight_text(parts_, wire->flight());
+  const auto sender = parts_.sender_of(sent);
+  return sender ? flight_text(parts_, parts_.wires[*sender].flight()) : std::string();
 }
 
 std::optional<DeviceIndex> BusEngine::asked_device(ByteView sent) const {
-  const Wire* wire = parts_.sender_of(sent);
-  if (wire == nullptr) return std::nullopt;
-  return wire->flight().asked.device;
+  const auto sender = parts_.sender_of(sent);
+  if (!sender) return std::nullopt;
+  return parts_.wires[*sender].flight().asked.device;
 }
 
 BusReport BusEngine::bus_report(Instant now) {

@@ -57,12 +57,13 @@ struct BusParts {
   [[nodiscard]] Wire& wire() { return *wire_; }
   [[nodiscard]] const Wire& wire() const { return *wire_; }
   void select(Wire& wire) { wire_ = &wire; }
-  // Null if no exchange sent these bytes last.
-  [[nodiscard]] const Wire* sender_of(ByteView sent) const {
+  // Index in `wires`. Empty if no exchange sent these bytes last.
+  [[nodiscard]] std::optional<std::size_t> sender_of(ByteView sent) const {
     const auto found = std::ranges::find_if(wires, [&](const Wire& wire) {
       return wire.exchanging() && std::ranges::equal(wire.driver().sent(), sent);
     });
-    return found == wires.end() ? nullptr : &*found;
+    if (found == wires.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - wires.begin());
   }
   // At most one, see CommandQueue.
   [[nodiscard]] bool command_in_flight() const {
