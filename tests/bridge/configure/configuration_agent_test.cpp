@@ -1,5 +1,3 @@
-#include "bridge/configure/configuration_agent.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,12 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "bridge/configure/configuration_service.hpp"
-#include "bridge/security/file_access.hpp"
-#include "tests/bridge/security/scratch_folder.hpp"
+#include "tests/bridge/configure/configuration_agent_fixture.hpp"
 #include "tests/support/full_disk.hpp"
 
 namespace fieldcast::configure {
@@ -23,66 +19,6 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::Not;
-
-constexpr const char* kText = R"(bridge: b
-configure: { allow: true }
-buses:
-  - name: line
-    port: { tcp: "127.0.0.1:502" }
-    protocol: modbus-tcp
-    devices:
-      - { name: d, address: 1, channels: [ { name: c, at: "holding:1", type: uint16 } ] }
-)";
-
-class ConfigurationAgentTest : public testing::Test {
- protected:
-  ConfigurationAgentTest() {
-    std::ofstream(file_) << kText;
-    start();
-  }
-
-  void start() {
-    agent_.emplace(file_, ConfigurationAgent::Ports{
-                              .reload = [this] { ++reloads_; },
-                              .qualities = [this] { return qualities_; },
-                              .audit = [this](AuditEntry entry) { audit_.push_back(entry); },
-                              .clock = [this] { return clock(); },
-                              .probe =
-                                  [this](const std::string& bus, DeviceProbe probe, auto done) {
-                                    bus_ = bus;
-                                    probe_.emplace(std::move(probe));
-                                    probed_ = std::move(done);
-                                    return bus == "line";
-                                  }});
-  }
-  std::pair<unsigned, json> run(const std::string& operation, json request = json::object()) {
-    request["operation"] = operation;
-    if (!request.contains("who")) request["who"] = "anna";
-    auto outcome = agent_->run(request.dump(), "", [this](Outcome late) { later_ = late; });
-    if (!outcome) return {0, {}};
-    return {outcome->status, json::parse(outcome->body)};
-  }
-  [[nodiscard]] UtcMapping clock() const { return {now_, {now_.time_since_epoch().count()}}; }
-  std::pair<unsigned, json> deploy(const std::string& text) {
-    return run("deploy", {{"text", text}, {"base", version_of(file())}, {"why", "a test"}});
-  }
-  [[nodiscard]] std::string file() const { return security::read_file(file_); }
-  std::string state_of_last() { return run("versions").second[0]["state"]; }
-
-  test::ScratchFolder scratch_;
-  const std::string file_ = scratch_.path("b.yaml");
-  const std::string more_ = std::string(kText) + "log: { level: debug }\n";
-  Instant now_{1h};
-  int reloads_ = 0;
-  std::optional<ChannelQualities> qualities_ = ChannelQualities{{"line/d/c", Quality::kGood}};
-  std::vector<AuditEntry> audit_;
-  std::string bus_;
-  std::optional<DeviceProbe> probe_;
-  ConfigurationAgent::Ports::Probed probed_;
-  std::optional<Outcome> later_;
-  std::optional<ConfigurationAgent> agent_;
-};
 
 TEST_F(ConfigurationAgentTest, DeploysWatchesAndKeeps) {
   const auto [status, body] = deploy(more_);
@@ -348,120 +284,6 @@ TEST(FileError, ADiskOrAQuotaIsFull) {
   EXPECT_FALSE(security::FileError("", EACCES).is_full());
 }
 
-constexpr const char* kMeter =
-    "      - { name: meter, address: 7, channels: [ { name: power, at: \"holding:8\", type: int16, "
-    "scale: 0.1, unit: kW }, { name: more, at: \"holding:9\", type: int16 } ] }\n";
-
-TEST_F(ConfigurationAgentTest, FirstValuesAreThoseOfTheDraftAndNothingIsSaved) {
-  const json request{{"text", std::string(kText) + kMeter}, {"bus", "line"}, {"device", "meter"}};
-  EXPECT_EQ(run("probe", request).first, 0u);
-  EXPECT_EQ(file(), kText);
-  EXPECT_EQ(bus_, "line");
-  const Command first = *probe_->next();
-  EXPECT_EQ(first.ad_hoc->link.address, 7);
-  EXPECT_GT(first.expires, now_);
-  CommandResult result;
-  result.values = {Value{23.5}};
-  result.completed = now_ + 1s;
-  probe_->on_result(result);
-  result = rejection(*probe_->next(), Cause::kExpired, "expired", now_);
-  probe_->on_result(result);
-  EXPECT_FALSE(later_);
-  probed_(probe_->devices(), clock());
-  ASSERT_TRUE(later_);
-  EXPECT_EQ(later_->status, 200u);
-  const json body = json::parse(later_->body);
-  EXPECT_EQ(body["left_out"], 0);
-  const json good = body["values"][0], bad = body["values"][1];
-  EXPECT_EQ(good["value"], 23.5);
-  EXPECT_EQ(good["quality"], "GOOD");
-  EXPECT_EQ(good["unit"], "kW");
-  EXPECT_EQ(good["error"], "");
-  EXPECT_EQ(good["at_ms"], 3'601'000);
-  EXPECT_TRUE(bad["value"].is_null());
-  EXPECT_EQ(bad["cause"], "EXPIRED");
-  EXPECT_THAT(std::string(bad["error"]), HasSubstr("shorter timeout"));
-  ASSERT_EQ(audit_.size(), 1u);
-  EXPECT_EQ(audit_[0].what, "configuration: read first values");
-  EXPECT_EQ(audit_[0].result, "of meter on line");
-}
-
-// An engineer may put the hidden password at another key, to see it in what the bridge responds.
-TEST_F(ConfigurationAgentTest, AHiddenPasswordIsShownInNoResponse) {
-  constexpr const char* kSecret = "7s3cret";
-  std::ofstream(file_) << kText << "store: { url: \"postgresql://anna:" << kSecret << "@db/p\" }\n";
-  for (const auto& [from, to] :
-       std::map<std::string, std::string>{{"address: 1", "address: __HIDDEN__"},
-                                          {"name: c", "name: __HIDDEN__"},
-                                          {"type: uint16", "type: uint16, unit: __HIDDEN__"}}) {
-    std::string text = kText;
-    text.replace(text.find(from), from.size(), to);
-    const auto [status, checked] = run("check", {{"text", text}});
-    EXPECT_FALSE(checked["faults"].empty()) << to;
-    EXPECT_THAT(checked.dump(), Not(HasSubstr(kSecret)));
-    EXPECT_THAT(deploy(text).second.dump(), Not(HasSubstr(kSecret)));
-    const auto probe = run("probe", {{"text", text}, {"bus", "line"}, {"device", "d"}});
-    EXPECT_THAT(probe.second.dump(), Not(HasSubstr(kSecret)));
-    if (probe.first != 0) continue;
-    probe_->on_result(rejection(*probe_->next(), Cause::kExpired, "expired", now_));
-    probed_(probe_->devices(), clock());
-    EXPECT_THAT(later_->body, Not(HasSubstr(kSecret)));
-  }
-}
-
-TEST_F(ConfigurationAgentTest, AHiddenPasswordIsValidOnlyWhereItIs) {
-  const std::string text = "store: { url: \"postgresql://anna:p/w@db/p\" }\n";
-  std::ofstream(file_) << kText << text;
-  std::string shown = run("read").second["text"];
-  EXPECT_TRUE(run("check", {{"text", shown}}).second["faults"].empty());
-  EXPECT_EQ(deploy(shown + "log: { level: debug }\n").first, 200u);
-  EXPECT_EQ(file(), kText + text + "log: { level: debug }\n");
-  shown.replace(shown.find("name: d"), 7, "name: __HIDDEN__");
-  shown.erase(shown.find("store"));
-  EXPECT_THAT(run("check", {{"text", shown}}).second["faults"].dump(),
-              HasSubstr("a hidden password is not valid at this place"));
-  EXPECT_EQ(deploy(shown).first, 400u);
-}
-
-TEST_F(ConfigurationAgentTest, AProbeThatCannotRunIsRefused) {
-  const std::string text = std::string(kText) + kMeter;
-  const auto probe = [&](const std::string& draft, const char* bus, const char* device) {
-    return run("probe", {{"text", draft}, {"bus", bus}, {"device", device}});
-  };
-  EXPECT_EQ(probe(text, "line", "other").first, 404u);
-  EXPECT_EQ(probe(text, "other", "meter").first, 404u);
-  const auto [status, body] = probe(text + "      - { name: x }\n", "line", "meter");
-  EXPECT_EQ(status, 400u);
-  EXPECT_FALSE(body["faults"].empty());
-  EXPECT_EQ(run("probe", {{"bus", "line"}}).first, 400u);
-  EXPECT_FALSE(probe_);
-  std::string moved = text;
-  moved.replace(moved.find("name: line"), 10, "name: hall");
-  EXPECT_EQ(probe(moved, "hall", "meter").first, 409u) << "not running";
-  EXPECT_EQ(probe(text, "line", "meter").first, 0u);
-  probed_({}, clock());
-  EXPECT_EQ(later_->status, 409u) << "another probe";
-}
-
-TEST_F(ConfigurationAgentTest, AScanRequestsTheFreeAddressesOfARunningBus) {
-  const auto scan = [&](const char* bus, const char* protocol, const char* first,
-                        const char* last) {
-    return run("scan", {{"bus", bus}, {"protocol", protocol}, {"first", first}, {"last", last}});
-  };
-  EXPECT_EQ(scan("line", "modbus-tcp", "1", "3").first, 0u);
-  EXPECT_EQ(probe_->next()->ad_hoc->link.address, 2) << "the bus has a device 1";
-  probe_->on_result(rejection(*probe_->next(), Cause::kLeased, "leased", now_));
-  probed_(probe_->devices(), clock());
-  EXPECT_EQ(json::parse(later_->body)["error"], "leased");
-  EXPECT_EQ(audit_[0].result, "addresses 1 to 3 of modbus-tcp on line");
-  EXPECT_EQ(scan("line", "modbus-tcp", "1", "1").second["next"], nullptr);
-  EXPECT_EQ(scan("hall", "modbus-tcp", "1", "3").first, 409u);
-  for (const char* wrong : {"", "x", "-1", "70000", "1 "})
-    EXPECT_EQ(scan("line", "modbus-tcp", wrong, "3").first, 400u) << wrong;
-  EXPECT_EQ(scan("line", "modbus-rtu", "1", "3").first, 400u);
-}
-
-// A file of root in a folder of the bridge's user, or a disk with errors.
 TEST(ConfigurationService, GoesOnWithVersionsThatItCannotRead) {
   const test::ScratchFolder scratch;
   const std::string file = scratch.path("b.yaml"), list = file + ".versions/versions.json";

@@ -71,7 +71,8 @@ TEST(AlarmRegistry, ShelvedForAWhile) {
   shop/press-1/level low: acknowledged, active, medium, acked by bo at 31min
 32min bo shelves shop/press-1/level low for 24h
   event: shop/press-1/level low shelved by bo until 1472min
-  shop/press-1/level low: unacknowledged, active, medium, acked by bo at 31min, shelved by bo until 1472min
+  shop/press-1/level low: unacknowledged, active, medium, acked by bo at 31min)"
+                  R"(, shelved by bo until 1472min
 33min clear shop/press-1/level low 20
   shop/press-1/level low: clear, medium, acked by bo at 31min, shelved by bo until 1472min
 34min anna unshelves shop/press-1/level low

@@ -13,7 +13,7 @@ using std::chrono::seconds;
 Instant at(int second) { return Instant{seconds{1000 + second}}; }
 
 // One value per second: 'R' raised, 'C' cleared, '.' unchanged. NaN: not good.
-std::string told(LimitWatch& watch, const std::vector<double>& values, int from = 0) {
+std::string changes(LimitWatch& watch, const std::vector<double>& values, int from = 0) {
   std::string changes;
   for (const double value : values) {
     bool changed = false;
@@ -33,31 +33,31 @@ constexpr double kBad = std::numeric_limits<double>::quiet_NaN();
 
 TEST(LimitWatch, RaisesAboveAHighLimitAndClearsAtIt) {
   LimitWatch watch(LimitKind::kHigh, 90, 0, {});
-  EXPECT_EQ(told(watch, {89, 90, 90.5, 95, 90, 91}), "..R.CR");
+  EXPECT_EQ(changes(watch, {89, 90, 90.5, 95, 90, 91}), "..R.CR");
 }
 
 TEST(LimitWatch, RaisesBelowALowLimitAndClearsAtIt) {
   LimitWatch watch(LimitKind::kLowLow, -5, 0, {});
-  EXPECT_EQ(told(watch, {-4, -5, -5.5, -6, -5}), "..R.C");
+  EXPECT_EQ(changes(watch, {-4, -5, -5.5, -6, -5}), "..R.C");
 }
 
 TEST(LimitWatch, ClearsOnlyWhenBackInsideByTheHysteresis) {
   LimitWatch high(LimitKind::kHighHigh, 90, 2, {});
-  EXPECT_EQ(told(high, {91, 89, 91, 88.5, 88, 90.5}), "R...CR");
+  EXPECT_EQ(changes(high, {91, 89, 91, 88.5, 88, 90.5}), "R...CR");
   LimitWatch low(LimitKind::kLow, 10, 2, {});
-  EXPECT_EQ(told(low, {9, 11, 11.5, 12, 10.5}), "R..C.");
+  EXPECT_EQ(changes(low, {9, 11, 11.5, 12, 10.5}), "R..C.");
 }
 
 TEST(LimitWatch, WaitsForTheDelayAndForgetsWhatWasShorter) {
   LimitWatch watch(LimitKind::kHigh, 90, 0, seconds{3});
-  EXPECT_EQ(told(watch, {91, 92, 89, 91, 91, 91, 93}), "......R");
+  EXPECT_EQ(changes(watch, {91, 92, 89, 91, 91, 91, 93}), "......R");
   EXPECT_EQ(watch.since(), at(3)) << "the first value beyond";
   EXPECT_EQ(watch.value(), 93);
 }
 
 TEST(LimitWatch, EachOccurrenceWaitsForTheDelay) {
   LimitWatch watch(LimitKind::kHigh, 90, 0, seconds{3});
-  EXPECT_EQ(told(watch, {91, 91, 91, 91, 89, 91, 91, 91, 92}), "...RC...R");
+  EXPECT_EQ(changes(watch, {91, 91, 91, 91, 89, 91, 91, 91, 92}), "...RC...R");
   EXPECT_EQ(watch.since(), at(5));
   EXPECT_EQ(watch.value(), 92);
 }
@@ -68,22 +68,22 @@ TEST(LimitWatch, AnAlarmOfBeforeGoesOnWithItsOwnBeginningUntilAGoodValueEndsIt) 
   EXPECT_EQ(high.state(), AlarmState::kActive);
   EXPECT_EQ(high.since(), at(-500));
   EXPECT_EQ(high.value(), 93);
-  EXPECT_EQ(told(high, {kBad, 95, 89, 88}), "...C");
+  EXPECT_EQ(changes(high, {kBad, 95, 89, 88}), "...C");
   EXPECT_EQ(high.since(), at(3));
 }
 
 TEST(LimitWatch, WhatIsRestoredLateHeedsTheValuesThatCameBefore) {
   LimitWatch inside(LimitKind::kHigh, 90, 2, {}), near(LimitKind::kHigh, 90, 2, {}),
       raised(LimitKind::kHigh, 90, 2, {});
-  EXPECT_EQ(told(inside, {70}), ".");
+  EXPECT_EQ(changes(inside, {70}), ".");
   inside.restore(93, at(-500));
   EXPECT_EQ(inside.state(), AlarmState::kClear);
   EXPECT_EQ(inside.value(), 70);
   EXPECT_EQ(inside.since(), at(0));
-  EXPECT_EQ(told(near, {89}), ".");  // within the hysteresis: the alarm has not ended
+  EXPECT_EQ(changes(near, {89}), ".");  // within the hysteresis: the alarm has not ended
   near.restore(93, at(-500));
   EXPECT_EQ(near.state(), AlarmState::kActive);
-  EXPECT_EQ(told(raised, {91, 92}), "R.");
+  EXPECT_EQ(changes(raised, {91, 92}), "R.");
   raised.restore(93, at(-500));
   EXPECT_EQ(raised.state(), AlarmState::kActive);
   EXPECT_EQ(raised.since(), at(-500));
@@ -100,15 +100,15 @@ TEST(LimitWatch, RaisesByTimeAloneWhenAValueDoesNotChange) {
 
 TEST(LimitWatch, BadValuesNeitherRaiseNorClear) {
   LimitWatch watch(LimitKind::kHigh, 90, 0, {});
-  EXPECT_EQ(told(watch, {kBad, 91, kBad, kBad, 89, kBad}), ".R..C.");
+  EXPECT_EQ(changes(watch, {kBad, 91, kBad, kBad, 89, kBad}), ".R..C.");
 }
 
 TEST(LimitWatch, ADelayGoesOnOverBadValuesButAGoodOneEndsIt) {
   LimitWatch still_beyond(LimitKind::kHigh, 90, 0, seconds{3});
-  EXPECT_EQ(told(still_beyond, {91, kBad, kBad, kBad, kBad, 92}), ".....R");
+  EXPECT_EQ(changes(still_beyond, {91, kBad, kBad, kBad, kBad, 92}), ".....R");
   EXPECT_EQ(still_beyond.since(), at(0));
   LimitWatch back(LimitKind::kHigh, 90, 0, seconds{3});
-  EXPECT_EQ(told(back, {91, kBad, kBad, kBad, kBad, 89, 91}), ".......");
+  EXPECT_EQ(changes(back, {91, kBad, kBad, kBad, kBad, 89, 91}), ".......");
 }
 
 TEST(LimitWatch, NotANumberIsNotGood) {

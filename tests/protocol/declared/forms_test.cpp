@@ -60,7 +60,8 @@ operations:
     request: [{ name: ask, constant: "R" }, { is: address }]
     answers:
       - [{ name: short, constant: "S" }, { name: state, is: value }, { name: end, constant: "\n" }]
-      - [{ name: long, constant: "L" }, { name: energy, is: value, key: "1.8.0(", text: 6 }, { name: end, constant: "!\n" }]
+      - [{ name: long, constant: "L" }, { name: energy, is: value, key: "1.8.0(", text: 6 },
+         { name: end, constant: "!\n" }]
 )",
                                    1);
   std::string response = "L";
@@ -78,7 +79,9 @@ TEST(Login, IsRepeatedAfterARefusal) {
 summary: a device with a login
 addresses: { from: 1, to: 9 }
 areas: [{ name: state, record: true }]
-login: [{ request: [{ name: hello, constant: "L" }, { is: address }], answer: [{ name: welcome, constant: "W" }] }]
+login:
+  - request: [{ name: hello, constant: "L" }, { is: address }]
+    answer: [{ name: welcome, constant: "W" }]
 operations:
   - name: read
     read: state

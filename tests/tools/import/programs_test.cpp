@@ -98,9 +98,9 @@ TEST(ImportTelegraf, Float32OfTheStyleRegisterIsFixedPoint) {
   holding_registers = [
     { name = "one", byte_order = "AB", data_type = "FLOAT32", scale = 0.1, address = [54] },
     { name = "two", byte_order = "ABCD", data_type = "FLOAT32", scale = 0.1, address = [56,57] },
-    { name = "four", byte_order = "ABCDEFGH", data_type = "FLOAT32", scale = 0.1, address = [60,61,62,63] },
-    { name = "three", byte_order = "ABCD", data_type = "FLOAT32", scale = 0.1, address = [70,71,72] },
-    { name = "ieee", byte_order = "ABCD", data_type = "FLOAT32-IEEE", scale = 1.0, address = [80,81] },
+    { name="four",byte_order="ABCDEFGH",data_type="FLOAT32",scale=0.1,address=[60,61,62,63] },
+    { name="three",byte_order="ABCD",data_type="FLOAT32",scale=0.1,address=[70,71,72] },
+    { name="ieee",byte_order="ABCD",data_type="FLOAT32-IEEE",scale=1.0,address=[80,81] },
   ]
 [[inputs.modbus]]
   name = "b"
