@@ -1,4 +1,4 @@
-// A configuration agent with a file of its own. Its clock stands; a probe ends when the test says so.
+// A configuration agent with a file of its own, at a fixed time; each test ends its probes.
 #pragma once
 
 #include <gtest/gtest.h>
