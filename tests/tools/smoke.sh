@@ -25,6 +25,12 @@ tar -c -C "$packages" . | tools/in_root.sh "$suite" -- sh -ec 'mkdir -p packages
   apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
     ./packages/fieldcast_*.deb ./packages/fieldcast-sim_*.deb openssl python3-yaml >packages/log 2>&1 || { cat packages/log; exit 1; }'
 
+step "Fast DDS calls the function that bridge/dds/library/encoding_guard.cpp replaces"
+tools/in_root.sh "$suite" -- sh -ec 'for program in fieldcast fieldcast-bridge fieldcast-station; do
+    LD_DEBUG=bindings LD_BIND_NOW=1 "/usr/bin/$program" --version 2>&1 | grep -q "libfast.* to /usr/bin/$program .*19encode_rtps_message" ||
+      { echo "$program: the library calls its own"; exit 1; }
+  done'
+
 step "the demo"
 tools/in_root.sh "$suite" -- tools/demo.sh --no-page --seconds 20 --bin /usr/bin
 
