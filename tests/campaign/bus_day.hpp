@@ -77,6 +77,7 @@ class BusDay {
     std::optional<Duration> gap;  // promised
     bool shown_good = false;
     Instant last_good = kLongAgo, promised{};
+    Instant acquired = kLongAgo;  // of the last good sample
   };
   struct Pending {
     ChannelIndex channel = 0;

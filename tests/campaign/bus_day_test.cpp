@@ -81,6 +81,13 @@ INSTANTIATE_TEST_SUITE_P(SilenceBehindARefusal, BusDaysThatFailed,
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
+// A late response and the next one arrived at once, and both had values of one channel.
+INSTANTIATE_TEST_SUITE_P(TwoSamplesOfAnInstant, BusDaysThatFailed,
+                         testing::Values(Found{"mitsubishi-mc 3E", 4001, 24h}),
+                         [](const auto& chosen) {
+                           return "seed" + std::to_string(chosen.param.seed);
+                         });
+
 std::string violation_of(Sabotage what) {
   BusDay day(storm_kinds()[0], 1, 24h);
   day.sabotage(what);
