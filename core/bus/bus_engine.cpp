@@ -129,7 +129,8 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
   }
   // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
-      (is_too_early(asked.device) || forecast_.too_early(parts_.wire().driver()))) {
+      (is_too_early(asked.device) ||
+       (forecast_.too_early(parts_.wire().driver()) && parts_.wire().bytes_follow_response()))) {
     forecast_.doubt();
     parts_.wire().wait_on();
     return parts_.late.start_anew();

@@ -43,8 +43,8 @@ class ResponseForecast {
   void begin(bool owed) { whole_ = !owed && exact_ >= kTrusted && exact_ % kMeasured != 0; }
   // The response may be read when it is complete, so bytes that arrived earlier seem to be in time.
   [[nodiscard]] bool waits_for_whole() const { return whole_; }
-  // Returns true if bytes behind the response show that it began before it could: it belongs to
-  // another request.
+  // Returns true if bytes behind the response would show that it began before it could: it belongs
+  // to another request. A response may also be longer than expected: DF1 doubles a byte 10.
   [[nodiscard]] bool too_early(const ExchangeDriver& driver) const {
     return whole_ && driver.received().size() > driver.expected();
   }
