@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(SilenceBehindARefusal, BusDaysThatFailed,
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
-// A late response and the next one arrived at once, and both had values of one channel.
+// A late response and the next one arrived together, and both had values of one channel.
 INSTANTIATE_TEST_SUITE_P(TwoSamplesOfAnInstant, BusDaysThatFailed,
                          testing::Values(Found{"mitsubishi-mc 3E", 4001, 24h}),
                          [](const auto& chosen) {
