@@ -363,6 +363,13 @@ class Contents(ForwardCase):
         wait_until(lambda: any(message.subject.startswith("fieldcast-late.north.line.") for message in self.stored(server)), 20, forwarder.log)
         time.sleep(2)
         reference.stop()
+        newest = {channel: max(samples) for channel, samples in reference.samples().items()}
+
+        def all_arrived():
+            arrived = by_channel(deduplicated(self.stored(server)))
+            return all(max(sample["sequence"] for _, sample in arrived[channel]) >= number for channel, number in newest.items())
+
+        wait_until(all_arrived, 20, forwarder.log)
         self.assertEqual(forwarder.stop(), 0)
         messages = self.stored(server)
         late = [message for message in messages if message.subject.startswith("fieldcast-late.")]
