@@ -127,10 +127,12 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     if (outcome == ExchangeDriver::Outcome::kFailed && !late.empty() && late.back().refused)
       outcome = parts_.late.skip_late(parts_.wire(), now, out);
   }
+  const ByteView received = parts_.wire().driver().received();
   // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
       (is_too_early(asked.device) ||
-       (forecast_.too_early(parts_.wire().driver()) && parts_.wire().bytes_follow_response()))) {
+       (forecast_.too_early(parts_.wire().driver()) &&
+        parts_.late.end_of_response(asked, received) < received.size()))) {
     forecast_.doubt();
     parts_.wire().wait_on();
     return parts_.late.start_anew();

@@ -66,8 +66,7 @@ def measure(options, channels, settle):
             begun = time.monotonic()
             bridge, log = start(options.bin_dir, folder, "fieldcast-bridge", path)
             try:
-                wait_until(lambda: bridge.poll() is not None or open_ports(log) >= options.buses, START_S,
-                           lambda: f"{open_ports(log)} of {options.buses} ports")
+                wait_until(lambda: open_ports(log) >= options.buses, START_S, lambda: f"{open_ports(log)} of {options.buses} ports")
                 started = time.monotonic() - begun
                 time.sleep(settle)
                 used, begun = memory(bridge), time.monotonic()

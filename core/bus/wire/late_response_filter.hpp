@@ -81,6 +81,8 @@ class LateResponseFilter {
 
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
                                               Instant now);
+  // Number of bytes up to the end of the first response in them; all of them if there is none.
+  [[nodiscard]] std::size_t end_of_response(const Asked& asked, ByteView bytes) const;
   // The exchange waits on without the late responses. REQUIRES: in_exchange() has found some.
   ExchangeDriver::Outcome skip_late(Wire& wire, Instant now, Bytes& out);
   [[nodiscard]] std::vector<Late> in_strays(ByteView bytes, Instant now);
@@ -106,7 +108,6 @@ class LateResponseFilter {
   void learn_head(const Asked& read, ByteView response);
   [[nodiscard]] bool broken_response_came(const Asked& asked, const ExchangeDriver& driver) const;
   [[nodiscard]] Duration bound(const Asked& asked, Duration longest) const;
-  [[nodiscard]] std::size_t end_of_response(const Asked& asked, ByteView bytes) const;
   [[nodiscard]] std::size_t find(ByteView bytes, const Asked* under_way, Instant now,
                                  std::vector<Late>& found);
   [[nodiscard]] Late late_response(PendingResponses::Debt paid, bool refused, Instant now) const;

@@ -90,16 +90,6 @@ ExchangeDriver::Outcome Wire::wait_on(std::size_t size, Instant now, Bytes& out)
                          now, out);
 }
 
-bool Wire::bytes_follow_response() const {
-  const Asked& asked = flight_->asked;
-  const auto again = setup_.protocol(asked.device).begin(asked.request, asked.context);
-  const ByteView received = driver_.received();
-  Bytes out;
-  (void)again->start(out);
-  return !received.empty() &&
-         again->on_bytes(received.first(received.size() - 1), out).kind == Step::Kind::kDone;
-}
-
 Wire::Ended Wire::conclude(bool done, Instant now) {
   Ended ended;
   ended.done = done;

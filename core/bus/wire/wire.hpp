@@ -118,8 +118,6 @@ class Wire {
   void wait_on();
   // The same for the first `size` bytes. Returns the outcome of the other bytes.
   ExchangeDriver::Outcome wait_on(std::size_t size, Instant now, Bytes& out);
-  // Returns true if the response was complete before the last byte that was received.
-  [[nodiscard]] bool bytes_follow_response() const;
   // See ExchangeDriver::hold().
   void hold(ExchangeDriver::Outcome outcome, Instant until) { driver_.hold(outcome, until); }
   // Call after kDone or kFailed. The flight is kept until repeat() or take().
