@@ -348,7 +348,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
         reloader.begin();
         service.ready(reloader.status());
         break;
-      case kRemovedSignal:
+      case Signals::kRemoved:
         reloader.join_again();
         service.status(reloader.status());
         break;

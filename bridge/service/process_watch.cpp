@@ -21,8 +21,7 @@ namespace {
 sigset_t taken_signals() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, kRemovedSignal})
-    sigaddset(&set, signal);
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set, signal);
   return set;
 }
 
@@ -44,9 +43,14 @@ Signals::Signals() {
   const sigset_t set = taken_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   thread_ = std::thread([this] { take(); });
+  on_removed([this] {
+    const std::lock_guard lock(mutex_);
+    put(kRemoved);
+  });
 }
 
 Signals::~Signals() {
+  on_removed({});
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;
@@ -73,6 +77,11 @@ int Signals::wait(Duration limit) {
   return signal;
 }
 
+void Signals::put(int signal) {
+  if (std::find(taken_.begin(), taken_.end(), signal) == taken_.end()) taken_.push_back(signal);
+  changed_.notify_all();
+}
+
 void Signals::take() {
   pthread_setname_np(pthread_self(), "signals");
   const sigset_t set = taken_signals();
@@ -80,8 +89,7 @@ void Signals::take() {
     if (sigwait(&set, &signal) != 0) continue;
     std::unique_lock lock(mutex_);
     if (ended_) return;
-    if (std::find(taken_.begin(), taken_.end(), signal) == taken_.end()) taken_.push_back(signal);
-    changed_.notify_all();
+    put(signal);
     if (signal != SIGTERM && signal != SIGINT) continue;
     ending_ = true;
     if (changed_.wait_for(lock, kEndLimit, [this] { return ended_; })) return;

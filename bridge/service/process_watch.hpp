@@ -30,8 +30,12 @@ class Signals {
   // supervisors kill after ten at the earliest.
   static constexpr Duration kEndLimit = std::chrono::seconds{8};
 
-  // wait() returns SIGHUP, SIGUSR1, SIGTERM, SIGINT and kRemovedSignal. REQUIRES: no other thread
-  // runs yet, because only threads created later inherit the signal mask.
+  // A result of wait() that is no signal: see on_removed(). A signal of its own for this would also
+  // come from others; for example, runtimes of containers pass SIGURG on.
+  static constexpr int kRemoved = -1;
+
+  // wait() returns SIGHUP, SIGUSR1, SIGTERM, SIGINT and kRemoved. REQUIRES: no other thread runs
+  // yet, because only threads created later inherit the signal mask.
   Signals();
   ~Signals();
   Signals(const Signals&) = delete;
@@ -47,6 +51,7 @@ class Signals {
 
  private:
   void take();
+  void put(int signal);  // mutex_ is locked
 
   std::mutex mutex_;
   std::function<void()> last_words_;
@@ -64,7 +69,7 @@ class Signals {
 // expired since `last`. Pure.
 [[nodiscard]] bool is_look_due(std::optional<UtcTime> not_after, UtcTime last, UtcTime now);
 
-// Log of a program without a reload that ends after kRemovedSignal.
+// Log of a program without a reload that ends after Signals::kRemoved.
 inline constexpr const char* kEndsRemoved =
     "was suspended, and the other members have removed it: it ends, and its service starts it "
     "again";

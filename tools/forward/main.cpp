@@ -75,7 +75,7 @@ ExitCode serve(fieldcast::Signals& signals, const ForwardSpec& spec) {
   fieldcast::Instant kept{};
   for (;;) {
     const int signal = signals.wait(service.sleep(kHousekeeping));
-    const bool removed = signal == fieldcast::kRemovedSignal;
+    const bool removed = signal == fieldcast::Signals::kRemoved;
     const fieldcast::Instant now = fieldcast::steady_now();
     if (service.watched()) service.look(forwarder.turns(), now);
     if (now - kept >= kHousekeeping) {

@@ -171,7 +171,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   for (;;) {
     if (service.watched()) service.look(station.turns(), fieldcast::steady_now());
     const int signal = signals.wait(service.sleep(kHousekeeping));
-    const bool removed = signal == fieldcast::kRemovedSignal;
+    const bool removed = signal == fieldcast::Signals::kRemoved;
     if (removed) {
       fieldcast::log_error("web", fieldcast::kEndsRemoved);
     } else if (signal == 0) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "bridge/dds/library/encoding_guard.hpp"
 #include "bridge/dds/library/fastdds.hpp"
@@ -23,6 +24,9 @@ using dds::Log;
 constexpr std::string_view kHarmless = "Could not set the next deadline in the history";
 
 std::atomic<LibraryLines> elsewhere{nullptr};
+
+std::mutex removed_mutex;
+std::function<void()> removed_handler;
 
 class PlainLines : public dds::LogConsumer {
  public:
@@ -43,6 +47,16 @@ void set_library_lines(LibraryLines lines) { elsewhere = lines; }
 void say_security(bool error, std::string_view text) {
   if (const LibraryLines lines = elsewhere) return lines(error, kSecurityLine, text);
   std::fprintf(stderr, "security: %.*s\n", static_cast<int>(text.size()), text.data());
+}
+
+void on_removed(std::function<void()> handler) {
+  const std::lock_guard lock(removed_mutex);
+  removed_handler = std::move(handler);
+}
+
+void report_removed() {
+  const std::lock_guard lock(removed_mutex);
+  if (removed_handler) removed_handler();
 }
 
 void prepare_library() {

@@ -1,7 +1,7 @@
 // Settings of Fast DDS for the whole process, made before the first participant is created.
 #pragma once
 
-#include <csignal>
+#include <functional>
 #include <stdexcept>
 #include <string_view>
 
@@ -28,10 +28,12 @@ void say_security(bool error, std::string_view text);
 // A silent participant is removed by the others after this time.
 inline constexpr Duration kParticipantLease = std::chrono::seconds{10};
 
-// A member sends this signal to its own process after a pause beyond its lease: the other members
-// have removed it, but it has not removed them, and Fast DDS 2.9 begins no second handshake with a
-// member that it knows. It must join again. Programs without a handler ignore this signal.
-inline constexpr int kRemovedSignal = SIGURG;
+// Sets the handler of a process whose member was paused beyond its lease; empty: none. The other
+// members have removed it, but it has not removed them, and Fast DDS 2.9 begins no second handshake
+// with a member that it knows. It must join again. The handler runs on any thread, and no longer
+// after this returns.
+void on_removed(std::function<void()> handler);
+void report_removed();
 
 // DDS cannot be started, or an entity cannot be created. The only exception of the DDS folders.
 class DdsError : public std::runtime_error {

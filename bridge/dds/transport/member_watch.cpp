@@ -1,8 +1,6 @@
 #include "bridge/dds/transport/member_watch.hpp"
 
 #include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <utility>
 
@@ -69,7 +67,7 @@ void MemberWatch::look_at_pause(Duration pause) {
                    to_text(std::chrono::floor<std::chrono::seconds>(pause)) +
                    ": other members do not hear it until it joins the domain again; a service does "
                    "that by itself, start other programs again");
-  ::kill(::getpid(), kRemovedSignal);
+  report_removed();
 }
 
 bool MemberWatch::has_new_identity() const {

@@ -3,7 +3,7 @@
 // is only reported, because Fast DDS 2.9.1 reads it when a participant is created. A refused
 // participant stays refused until the process ends. A list that the authority has not signed is
 // ignored and reported. A pause of the process or the machine beyond the participant's lease is
-// reported, also by kRemovedSignal.
+// reported, also by report_removed().
 #pragma once
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -10,6 +11,7 @@
 #include <array>
 #include <cstring>
 
+#include "bridge/dds/library/library.hpp"
 #include "bridge/service/process_watch.hpp"
 
 namespace fieldcast {
@@ -132,6 +134,16 @@ TEST(IdentityWatch, LooksWhenTheCertificateEndsAndThenOnceADay) {
 
 TEST(IdentityWatch, LooksAgainWhenTheClockWasSetBack) {
   EXPECT_TRUE(is_look_due(after(10 * kDay), after(kSecond), kToday));
+}
+
+// Runtimes of containers pass SIGURG on, which the Go runtime sends to itself. It once meant this.
+TEST(Signals, OnlyAMemberOfThisProcessReportsThatItWasRemoved) {
+  Signals signals;
+  ::kill(::getpid(), SIGURG);
+  report_removed();
+  report_removed();
+  EXPECT_EQ(signals.wait(seconds{10}), Signals::kRemoved);
+  EXPECT_EQ(signals.wait({}), 0);
 }
 
 }  // namespace
