@@ -209,6 +209,26 @@ TEST(Df1, ADamagedResponseIsRequestedAgain) {
   EXPECT_EQ(outcome.sent.size(), 5u);
 }
 
+// A PLC sends no response before the one before is acknowledged, also if nobody received it.
+TEST(Df1, AResponseThatDoesNotComeIsRequestedOnce) {
+  const Device device = plc();
+  const Bytes earlier = packet("00 01 4F 00 04 00 07 00"),
+              whole = packet("00 01 4F 00 05 00 2A 00");
+  const auto exchange = device.begin(device.read("N7:0"), 5);
+  const std::vector<Bytes> answers{hex(kAck), earlier, whole};
+  const Outcome outcome = drive(*exchange, answers);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  ASSERT_EQ(outcome.sent.size(), 3u);
+  EXPECT_EQ(to_hex(outcome.sent[1]), kNak);
+  EXPECT_EQ(to_hex(outcome.sent[2]), kAck);
+
+  const auto silent = device.begin(device.read("N7:0"), 5);
+  const std::vector<Bytes> only_acknowledged{hex(kAck)};
+  const Outcome nothing = drive(*silent, only_acknowledged);
+  EXPECT_EQ(nothing.cause, Cause::kNoResponse);
+  EXPECT_EQ(nothing.sent.size(), 2u);
+}
+
 TEST(Df1, ARefusedCommandIsSentAgain) {
   const Device device = plc();
   const auto exchange = device.begin(device.read("N7:0"), 5);

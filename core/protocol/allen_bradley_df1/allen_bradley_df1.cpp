@@ -9,7 +9,8 @@
 // A packet that the bridge does not acknowledge keeps the PLC from sending the next one. So the
 // bridge acknowledges every valid packet, also a late response and a command of the PLC, and with
 // full duplex it requests a damaged packet again with a NAK. This waits for a gap, since each send
-// discards the received bytes.
+// discards the received bytes. A PLC that only acknowledges the command may wait for the
+// acknowledgement of a lost response, so one NAK requests this one, too.
 #include "core/protocol/allen_bradley_df1/allen_bradley_df1.hpp"
 
 #include <algorithm>
@@ -79,6 +80,8 @@ class Df1Exchange final : public Exchange {
 
   Step on_silence(Bytes& out) override {
     const unsigned most = link_.half_duplex ? kMaxPolls : kMaxRepairs;
+    const bool waits = next_.empty() && acknowledged_ && !link_.half_duplex;
+    if (waits && !std::exchange(requested_again_, true)) append_symbol(next_, kNak);
     if (rounds_++ == most && not_ready_) return Step::failed(Cause::kDeviceBusy);
     if (next_.empty() || rounds_ > most) return Step::failed(cause_);
     out = std::exchange(next_, {});
@@ -143,7 +146,7 @@ class Df1Exchange final : public Exchange {
   const Link link_;
   const Request request_;
   const std::uint16_t tns_;
-  bool acknowledged_ = false, not_ready_ = false;
+  bool acknowledged_ = false, not_ready_ = false, requested_again_ = false;
   Bytes next_;  // what is sent after a gap
   unsigned rounds_ = 0;
   Cause cause_ = Cause::kNoResponse;
