@@ -274,6 +274,19 @@ TEST(Df1HalfDuplex, ADamagedResponseIsPolledAgain) {
   EXPECT_EQ(to_hex(outcome.sent[2]), "10 05 11 EF");
 }
 
+// The responses of stations 2 and 1 at the same time. The check is the one of station 2 and right
+// for the mixed packet, too.
+TEST(Df1HalfDuplex, APacketBehindADamagedOneIsPolledAgain) {
+  const Device device = half_duplex(1);
+  const auto exchange = device.begin(device.read("N7:120"), 0x0195);
+  const std::vector<Bytes> answers{
+      hex(kAck), hex("10 02 00 02 4F 00 65 01 10 02 00 01 4F 00 95 01 F9 04 10 03 E0 19"),
+      packet("00 01 4F 00 95 01 26 84")};
+  const Outcome outcome = drive(*exchange, answers);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(exchange->reply().at(0).items, hex("84 26"));
+}
+
 TEST(Df1HalfDuplex, ALateResponseIsRemovedFromTheSlave) {
   const Device device = half_duplex();
   const std::vector<Bytes> answers{hex(kAck), packet("00 11 4F 00 04 00 07 00"),

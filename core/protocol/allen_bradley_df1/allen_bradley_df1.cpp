@@ -59,16 +59,17 @@ class Df1Exchange final : public Exchange {
     not_ready_ = false;
     Step step = Step::need_response();
     std::size_t inside = 0;  // end of a packet that is open or damaged: symbols in it do not count
+    bool mixed = false;      // a packet behind a damaged one can be the parts of two
     for (std::size_t at = 0; at < all.size();) {
       const Symbol symbol = parse_symbol(all.subspan(at), link_.check);
-      const bool packet = symbol.kind == Symbol::Kind::kPacket;
+      const bool packet = symbol.kind == Symbol::Kind::kPacket && !mixed;
       const bool control = symbol.kind == Symbol::Kind::kControl && at >= inside;
       if (packet) step = take(symbol.packet, out);
       if (step.kind != Step::Kind::kNeedMore) return step;
       if (control) step = take(symbol.control, step);
       if (!packet && !control && at >= inside) {
         if (symbol.kind != Symbol::Kind::kNoise)
-          step = damaged(symbol);
+          step = damaged(symbol), mixed = true;
         else if (!is_turnaround(all[at]))
           note(Cause::kMalformed);
         inside = at + symbol.size;
