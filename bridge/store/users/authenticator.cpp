@@ -181,6 +181,7 @@ std::optional<PasswordLimits> password_limits(std::string_view hash) {
 
 bool password_fits(const std::string& hash, std::string_view password) {
   start_sodium();
+  if (password.empty()) password = "";  // libsodium takes no null pointer
   return password_limits(hash).has_value() &&
          crypto_pwhash_str_verify(hash.c_str(), password.data(), password.size()) == 0;
 }
