@@ -68,10 +68,12 @@ class Df1Exchange final : public Exchange {
       if (step.kind != Step::Kind::kNeedMore) return step;
       if (control) step = take(symbol.control, step);
       if (!packet && !control && at >= inside) {
-        if (symbol.kind != Symbol::Kind::kNoise)
-          step = damaged(symbol), mixed = true;
-        else if (!is_turnaround(all[at]))
+        if (symbol.kind != Symbol::Kind::kNoise) {
+          step = damaged(symbol);
+          mixed = true;
+        } else if (!is_turnaround(all[at])) {
           note(Cause::kMalformed);
+        }
         inside = at + symbol.size;
       }
       at += packet || control ? symbol.size : 1;
