@@ -23,8 +23,19 @@ using TwoArguments = double (*)(double, double);
 using ThreeArguments = double (*)(double, double, double);
 using ManyArguments = double (*)(const double*, int);
 
-double least(const double* values, int count) { return *std::min_element(values, values + count); }
-double most(const double* values, int count) { return *std::max_element(values, values + count); }
+// A NaN among the values is the result, as in every other operation.
+template <class Choice>
+double chosen(const double* values, int count, Choice choice) {
+  const double* const nan =
+      std::find_if(values, values + count, [](double x) { return std::isnan(x); });
+  return nan != values + count ? *nan : *choice(values, values + count);
+}
+double least(const double* values, int count) {
+  return chosen(values, count, std::min_element<const double*>);
+}
+double most(const double* values, int count) {
+  return chosen(values, count, std::max_element<const double*>);
+}
 double sum(const double* values, int count) { return std::accumulate(values, values + count, 0.0); }
 double mean(const double* values, int count) { return sum(values, count) / count; }
 double choose(double condition, double yes, double no) { return condition != 0 ? yes : no; }
@@ -133,6 +144,8 @@ class Scanner {
       if (!is_known)
         return fail(at_, fmt::format("unknown function '{}'", name), joined(known),
                     closest(name, known));
+      // The parser of the library wants the bracket directly behind the name.
+      found_.code.replace(at_, behind - at_, std::string(behind - end, ' ') + std::string(name));
       tokens_.push_back({{}, 'f'});
     } else if (is_known) {
       return fail(at_, fmt::format("function '{}' without brackets", name),
@@ -166,20 +179,33 @@ class Scanner {
 
   void symbol(char c) {
     const std::string_view two = text_.substr(at_, 2);
-    if (two == "==" || two == "!=" || two == "<=" || two == ">=" || two == "&&" || two == "||") {
+    if (two == "==" || two == "!=" || two == "<=" || two == ">=") return compare(two);
+    if (two == "&&" || two == "||") {
+      compared_.back() = false;
       tokens_.push_back({{}, '='});
       at_ += 2;
       return;
     }
     if (c == '=') return fail(at_, "'=' would be an assignment", "== to compare");
-    if (std::string_view("+-*/^()<>,").find(c) == std::string_view::npos)
+    if (c == '<' || c == '>') return compare(text_.substr(at_, 1));
+    if (std::string_view("+-*/^(),").find(c) == std::string_view::npos)
       return fail(at_, fmt::format("character '{}'", shown(at_)), kAllowed);
-    depth_ += c == '(' ? 1 : 0;
-    depth_ -= c == ')' && depth_ > 0 ? 1 : 0;
-    if (depth_ > kMaxBracketDepth)
+    if (c == ',') compared_.back() = false;
+    if (c == '(') compared_.push_back(false);
+    if (c == ')' && compared_.size() > 1) compared_.pop_back();
+    if (compared_.size() > kMaxBracketDepth + 1)
       return fail(at_, "too many nested brackets", fmt::format("{}", kMaxBracketDepth));
     tokens_.push_back({{}, c});
     ++at_;
+  }
+
+  // The parser would compare the result of the first comparison, 0 or 1: 10 < t < 80 is always 1.
+  void compare(std::string_view symbol) {
+    if (compared_.back())
+      return fail(at_, "a comparison of a comparison", "a < b && b < c, or brackets");
+    compared_.back() = true;
+    tokens_.push_back({{}, '='});
+    at_ += symbol.size();
   }
 
   // A whole character of UTF-8.
@@ -227,7 +253,7 @@ class Scanner {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  std::size_t depth_ = 0;
+  std::vector<bool> compared_{false};  // by bracket: the term that is read contains a comparison
   std::vector<Token> tokens_;
   Expression found_;
   std::optional<ExpressionFault> fault_;

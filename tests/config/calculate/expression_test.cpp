@@ -54,6 +54,27 @@ TEST(Expression, HasFunctionsOfItsList) {
   EXPECT_NEAR(value_of("atan2(a, a) * 4"), M_PI, 1e-12);
 }
 
+TEST(Expression, ABlankMayFollowAFunction) {
+  EXPECT_EQ(value_of("max (a, b) + min  (a, b)"), 5);
+  EXPECT_EQ(value_of("if (a > b, 1, {max} + max (1, 2))"), 7);
+}
+
+TEST(Expression, AComparisonIsNotCompared) {
+  EXPECT_EQ(fault_of("10 < a < 80"), "7: a comparison of a comparison");
+  EXPECT_EQ(fault_of("a < b == c < d"), "6: a comparison of a comparison");
+  EXPECT_EQ(fault_of("a <= b + 1 >= c"), "11: a comparison of a comparison");
+  EXPECT_EQ(fault_of("(a < b) + max(a < b, b > c != a)"), "27: a comparison of a comparison");
+  EXPECT_EQ(value_of("1 < a && a < 80 || a == b"), 1);
+  EXPECT_EQ(value_of("(a < b) == (b < c)"), 1);
+  EXPECT_EQ(value_of("max(a > b, b > a) != 0"), 1);
+}
+
+TEST(Expression, AnArgumentThatIsNoNumberIsTheResult) {
+  for (const char* text : {"max(0, (a - a) / (b - b))", "max((a - a) / (b - b), 0)",
+                           "min(0, (a - a) / (b - b))", "min((a - a) / (b - b), 0)"})
+    EXPECT_TRUE(std::isnan(value_of(text))) << text;
+}
+
 TEST(Expression, ABracedNameMayHaveEveryCharacterOfAName) {
   const auto parsed = parse_expression("{oil-temp.1}+x + {line-2/meter/u}*x");
   ASSERT_TRUE(parsed);
