@@ -49,6 +49,17 @@ class CommandLimits : public testing::Test {
   std::unique_ptr<Protocol> protocol_ = std::move(*find_protocol("modbus-rtu")->make({1, {}}));
 };
 
+// A float32 of 293.15 is 293.14999.
+TEST_F(CommandLimits, AFloatWithAnOffsetCanHaveItsLimit) {
+  Encoding celsius{ValueType::kFloat32};
+  celsius.offset = -273.15;
+  channel(celsius, 20, 90);
+  EXPECT_EQ(reason_of(20.0), "");
+  EXPECT_EQ(reason_of(90.0), "");
+  EXPECT_NE(reason_of(19.9999), "");
+  EXPECT_NE(reason_of(90.0001), "");
+}
+
 // Regression: 16 was within the limits, and the device got 20.
 TEST_F(CommandLimits, ValuesAreWithinTheLimitsAlsoAsTheDeviceGetsThem) {
   channel(scaled(10), 4, 16);

@@ -64,7 +64,11 @@ tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const 
   };
   // How much a stored value can differ from the limit that it means.
   const auto error_at = [&](double limit) {
-    return std::max(std::abs(channel.encoding.scale) * 1e-6, std::abs(limit) * 1e-15);
+    const Encoding& encoding = channel.encoding;
+    const bool single = encoding.type == ValueType::kFloat32;
+    const double raw = single ? std::abs((limit - encoding.offset) / encoding.scale) : 0;
+    const double half_step = raw * std::numeric_limits<float>::epsilon() / 2;
+    return std::max(std::abs(encoding.scale) * std::max(1e-6, half_step), std::abs(limit) * 1e-15);
   };
   if (const auto min = channel.write_min;
       min && (*number < *min || *rounded < *min - error_at(*min)))
