@@ -129,7 +129,14 @@ void forget_buses(std::vector<Bus>& buses) {
   }
 }
 
+// A cell of a spreadsheet may have several lines; a text of the configuration has one.
+void join_lines(std::string& text) {
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+}
+
 void name_points(Device& device) {
+  join_lines(device.description);
   UniqueNames names;
   for (Point& point : device.points) {
     std::string name = plain_name(point.name);
@@ -140,6 +147,8 @@ void name_points(Device& device) {
                            return static_cast<unsigned char>(c) >= 0x80;
                          });
     if (foreign && point.description.empty()) point.description = point.name;
+    join_lines(point.unit);
+    join_lines(point.description);
     if (point.unit.size() > config::kMaxUnit) {
       point.unit = cut_text(point.unit, config::kMaxUnit);
       point.change("the unit is cut");

@@ -49,6 +49,15 @@ TEST(ImportListAddress, IsUnderstoodWholeOrNotAtAll) {
     EXPECT_THAT(read(odd), HasSubstr("no: ")) << odd;
 }
 
+// A cell of a spreadsheet may have several lines, a text of the configuration has one.
+TEST(ImportList, ADescriptionOfSeveralLinesBecomesOneLine) {
+  const auto outcome = imported("meter.csv",
+                                "Register,Name,Type,Unit,Description\n"
+                                "40001,P,INT16,W,\"Active power\nphase 1\"\n");
+  EXPECT_EQ(place_of(outcome, "P"), "holding:0");
+  EXPECT_THAT(outcome.files.at(0).text, HasSubstr("Active power phase 1"));
+}
+
 TEST(ImportList, ARowThatIsNotUnderstoodDecidesNothingForTheOthers) {
   for (const char* odd : {"-", "n/a", "40003:6", "*40010", "4 0010", "see below", "\"1,234\""}) {
     const auto outcome =
