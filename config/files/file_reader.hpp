@@ -55,7 +55,8 @@ struct LoadOptions {
 [[nodiscard]] bool is_declaration(std::string_view text);
 
 inline constexpr std::string_view kNoConfiguration = "this is no Fieldcast configuration";
-inline constexpr std::string_view kNoTemplate = "this is no device template";
+inline constexpr std::string_view kNoTemplate =
+    "this is no device template, which has channels or protocols";
 inline constexpr std::string_view kNoDeclaration = "this is no declaration of a protocol";
 inline constexpr std::string_view kNoChannelList =
     "this is no channel list: its first row names the columns, in small letters, name and at among "

@@ -73,6 +73,21 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
   }
 }
 
+// The protocol that the devices name, if their lines are alike; otherwise empty.
+std::string_view protocol_of_devices(MapReader& bus) {
+  const Node* list = bus.find("devices");
+  std::string_view found;
+  for (std::size_t i = 0; list != nullptr && i < list->items.size(); ++i) {
+    const auto own = std::ranges::find_if(list->items[i]->entries, [](const Node::Entry& entry) {
+      return entry.key->text == "protocol";
+    });
+    if (own == list->items[i]->entries.end()) return {};
+    if (i == 0) found = own->value->text;
+    if (factory_line(own->value->text) != factory_line(found)) return {};
+  }
+  return found;
+}
+
 }  // namespace
 
 std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::string_view key,
@@ -121,7 +136,9 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   if (const Node* protocol = map.find("protocol"))
     context.protocol = read_protocol(*protocol, "protocol", state);
   if (const Node* port = map.require("port", port_forms()))
-    spec.port = read_port(*port, context.protocol.name, state.library, state.faults);
+    spec.port = read_port(
+        *port, factory_line(map.has("protocol") ? context.protocol.name : protocol_of_devices(map)),
+        state.library, state.faults);
   read_capture(map, spec.capture);
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);

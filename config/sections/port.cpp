@@ -15,13 +15,13 @@
 #include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {
-namespace {
 
-// The default of LineFormat for unknown protocols.
 LineFormat factory_line(std::string_view protocol) {
   const ProtocolEntry* entry = find_protocol(protocol);
   return entry == nullptr ? LineFormat{} : entry->factory_line;
 }
+
+namespace {
 
 struct FormatRule {
   std::optional<LineFormat> operator()(const Node& node, std::string_view key,
@@ -149,7 +149,7 @@ PortSpec read_rfc2217(MapReader& map, const LineFormat& factory, Library&) {
 PortSpec read_tls_port(MapReader& map, const LineFormat&, Library& library) {
   TcpPortSpec port;
   std::pair<std::string, std::uint16_t> endpoint;
-  if (map.read("tls", endpoint, HostPortRule{}))
+  if (map.read("tls", endpoint, HostPortRule{"802"}))
     port.host = endpoint.first, port.port = endpoint.second;
   map.read("connect-timeout", port.connect_timeout, connect_timeout());
   map.read("server-name", port.server_name, TextRule{kMaxServerName});
@@ -258,7 +258,8 @@ std::optional<std::pair<std::string, std::uint16_t>> HostPortRule::operator()(
   if (!endpoint) {
     const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
     faults.add(node.position, fmt::format("{} '{}' names no host and port", key, *text),
-               "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
+               "HOST:PORT with a port 1 to 65535",
+               host_alone && !port.empty() ? fmt::format("{}:{}", *text, port) : "");
   }
   return endpoint;
 }
@@ -349,7 +350,7 @@ const RowTable& port_rows() {
 
 std::string port_forms() { return "port: " + examples("{ ", " }", ", ", " or "); }
 
-PortSpec read_port(const Node& node, std::string_view protocol, Library& library,
+PortSpec read_port(const Node& node, const LineFormat& factory, Library& library,
                    FaultList& faults) {
   MapReader map(node, port_rows(), faults);
   std::vector<const PortType*> named;
@@ -366,8 +367,7 @@ PortSpec read_port(const Node& node, std::string_view protocol, Library& library
     faults.add(map.position(), "'port' names neither " + joined_with(" nor "),
                examples("", "", ", ", ", "));
   }
-  return read_type(named.empty() ? port_types().front() : *named.back(), map,
-                   factory_line(protocol), library);
+  return read_type(named.empty() ? port_types().front() : *named.back(), map, factory, library);
 }
 
 }  // namespace fieldcast::config

@@ -22,7 +22,11 @@ namespace fieldcast::config {
 //
 // Without baud and format, the line has the factory setting of the protocol's devices
 // (ProtocolEntry::factory_line).
-[[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, Library& library,
+// Of the devices as they leave the factory; the default of LineFormat for unknown protocols.
+[[nodiscard]] LineFormat factory_line(std::string_view protocol);
+
+// `factory`: of a line whose keys are missing.
+[[nodiscard]] PortSpec read_port(const Node& node, const LineFormat& factory, Library& library,
                                  FaultList& faults);
 
 [[nodiscard]] const RowTable& port_rows();
@@ -33,6 +37,8 @@ void check_port(const std::string& protocol, const PortSpec& port, const Positio
                 FaultList& faults);
 
 struct HostPortRule {
+  std::string_view port = {};  // proposed if only a host is given; empty: none
+
   std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node,
                                                                   std::string_view key,
                                                                   FaultList& faults) const;

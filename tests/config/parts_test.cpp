@@ -42,6 +42,20 @@ TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
                       "mitsubishi-fx -> /dev/ttyS0 9600 7E1"});
 }
 
+TEST(PortText, LineIsThatOfTheProtocolWhichOnlyTheDevicesName) {
+  const auto line = [](const std::string& second) {
+    const auto loaded = load_text(
+        "bridge: b\nbuses:\n  - { name: bus, port: { serial: /dev/ttyS0 }, devices: [ { name: a, "
+        "address: 1, protocol: omron-hostlink, allow: [raw-read] }, { name: b, address: 2, "
+        "protocol: " +
+            second + ", allow: [raw-read] } ] }\n",
+        "plant.yaml", {});
+    return loaded ? to_text(loaded->buses[0].port) : faults_of(loaded);
+  };
+  test::expect_texts(
+      line, {"omron-hostlink -> /dev/ttyS0 9600 7E2", "modbus-rtu -> /dev/ttyS0 19200 8E1"});
+}
+
 TEST(PortText, EndpointIsHostAndPort) {
   EXPECT_EQ(host_port_from("10.0.0.7:502"),
             (std::pair<std::string, std::uint16_t>{"10.0.0.7", 502}));
