@@ -48,6 +48,36 @@ void read_byte(MapReader& map, Draft& draft) {
   if (map.has("bit")) map.fault("byte", "a bit and a byte of one item", "one of bit, byte");
 }
 
+// An address of several items, such as VW10, has its lowest bits in its last item.
+void set_bit(MapReader& map, unsigned bit, Draft& draft) {
+  const unsigned item = draft.area->item_bits;
+  const unsigned bits = bits_of_value(*draft.address, *draft.area);
+  if (bits == item || bits == 1) {
+    draft.spec.encoding.bit = static_cast<std::uint8_t>(bit);  // check_type() checks it
+  } else if (bit >= bits) {
+    map.fault("bit", fmt::format("bit {} is beyond '{}'", bit, draft.spec.at),
+              fmt::format("0 to {}", bits - 1));
+  } else {
+    draft.address->first += draft.address->width_bits.value_or(item) / item - 1 - bit / item;
+    draft.spec.encoding.bit = static_cast<std::uint8_t>(bit % item);
+  }
+}
+
+void read_bit(MapReader& map, Draft& draft) {
+  std::uint8_t bit = 0;
+  const bool has_bit = map.read("bit", bit, WholeRule{0, 63});
+  if (!draft.address) {
+    if (has_bit) draft.spec.encoding.bit = bit;
+  } else if (!draft.address->bit) {
+    if (has_bit) set_bit(map, bit, draft);
+  } else {
+    if (has_bit)
+      map.fault("bit", fmt::format("the bit is named twice: '{}' has one already", draft.spec.at),
+                "one of 'at', 'bit'");
+    draft.spec.encoding.bit = draft.address->bit;
+  }
+}
+
 void read_type(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   Encoding type;
@@ -65,15 +95,7 @@ void read_type(MapReader& map, Draft& draft) {
                        fixed ? "type: " + fieldcast::to_text(*fixed) : std::string());
   }
   read_byte(map, draft);
-  std::uint8_t bit = 0;
-  const bool has_bit = map.read("bit", bit, WholeRule{0, 63});
-  if (has_bit) encoding.bit = bit;
-  if (!draft.address) return;
-  if (has_bit && draft.address->bit) {
-    map.fault("bit", fmt::format("the bit is named twice: '{}' has one already", draft.spec.at),
-              "one of 'at', 'bit'");
-  }
-  if (draft.address->bit) encoding.bit = draft.address->bit;
+  read_bit(map, draft);
 }
 
 bool is_number(const Encoding& encoding) {

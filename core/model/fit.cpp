@@ -13,7 +13,8 @@ using About = FitFault::About;
 
 std::string bits(unsigned count) { return std::to_string(count) + " bits"; }
 
-std::optional<FitFault> check_bit(std::string_view at, const Area& area, const Encoding& encoding) {
+std::optional<FitFault> check_bit(std::string_view at, const ParsedAddress& address,
+                                  const Area& area, const Encoding& encoding) {
   if (encoding.bit && *encoding.bit >= area.item_bits) {
     return FitFault{About::kPart,
                     "bit " + std::to_string(*encoding.bit) + " is beyond " + in_quotes(at),
@@ -21,9 +22,10 @@ std::optional<FitFault> check_bit(std::string_view at, const Area& area, const E
                     {}};
   }
   if (!encoding.bit && area.item_bits > 1) {
-    return FitFault{About::kType, "a bool in " + in_quotes(at) + " needs a bit",
-                    "a bit in 'at', or 'bit': 0 to " + std::to_string(area.item_bits - 1),
-                    std::string(at) + ".0"};
+    return FitFault{
+        About::kType, "a bool in " + in_quotes(at) + " needs a bit",
+        "a bit in 'at', or 'bit': 0 to " + std::to_string(bits_of_value(address, area) - 1),
+        address.width_bits ? std::string() : std::string(at) + ".0"};
   }
   return std::nullopt;
 }
@@ -95,6 +97,10 @@ std::optional<FitFault> check_text(std::string_view at, const ParsedAddress& add
 
 }  // namespace
 
+unsigned bits_of_value(const ParsedAddress& address, const Area& area) {
+  return address.value_bits != 0 ? address.value_bits : address.width_bits.value_or(area.item_bits);
+}
+
 std::string byte_names(unsigned item_bits) {
   if (item_bits == 16) return "byte: low, byte: high";
   return "byte: 0 to " + std::to_string(item_bits / 8 - 1);
@@ -123,7 +129,7 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   }
   if (encoding.bit && !is_bool && (address.bit || !is_byte))
     return FitFault{About::kType, "type " + type + " with a bit of a word", "bool", "bool"};
-  if (is_bool) return check_bit(at, area, encoding);
+  if (is_bool) return check_bit(at, address, area, encoding);
   const unsigned whole = area.item_bits == 1 ? 1u : address.width_bits.value_or(0);
   if (whole == 1) {
     return FitFault{About::kType,

@@ -26,6 +26,9 @@ struct FitFault {
   return address.value_bits != 0 || address.text_characters != 0;
 }
 
+// Bits of the number at the address: 16 at VW10 although an item of its area has 8.
+[[nodiscard]] unsigned bits_of_value(const ParsedAddress& address, const Area& area);
+
 // "byte: low, byte: high" or "byte: 0 to 3".
 [[nodiscard]] std::string byte_names(unsigned item_bits);
 

@@ -1,4 +1,5 @@
 // The order in which each family keeps wide values and texts, and channels that lie on each other.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/model/overlap.hpp"
@@ -53,6 +54,33 @@ TEST(Order, OfTheFileOverridesTheFamilys) {
   const auto spec = loaded("omron-hostlink", "          - { name: c, at: DM100, type: int32 }\n",
                            "{ word-order: big-endian }");
   EXPECT_EQ(spec.buses[0].devices[0].channels[0].encoding.word_order, kHighWord);
+}
+
+// S7 keeps the low byte of a word at the higher address, so its bits 0 to 7 are there.
+TEST(Order, ABitOfAWideAddressIsInTheItemThatHoldsIt) {
+  const auto place = [](const std::string& at, int bit) {
+    const auto spec = loaded("s7-ppi", "          - { name: c, at: " + at +
+                                           ", type: bool, bit: " + std::to_string(bit) + " }\n");
+    const ChannelSpec& channel = spec.buses[0].devices[0].channels[0];
+    return std::tuple(channel.range.first, channel.range.count, *channel.encoding.bit);
+  };
+  EXPECT_EQ(place("VW10", 3), std::tuple(11u, 1u, 3));
+  EXPECT_EQ(place("VW10", 9), std::tuple(10u, 1u, 1));
+  EXPECT_EQ(place("VD10", 0), std::tuple(13u, 1u, 0));
+  EXPECT_EQ(place("VD10", 31), std::tuple(10u, 1u, 7));
+  EXPECT_EQ(place("VB10", 3), std::tuple(10u, 1u, 3));
+  const auto fault = [](const std::string& channel) {
+    return faults_of(load_text(
+        "bridge: b\nbuses:\n  - { name: bus, port: { serial: /dev/ttyS0 }, protocol: s7-ppi, "
+        "devices: [ { name: d, address: 2, channels: [ { name: c, type: bool, " +
+            channel + " } ] } ] }\n",
+        "plant.yaml", {}));
+  };
+  EXPECT_THAT(fault("at: VW10, bit: 16"),
+              testing::HasSubstr("bit 16 is beyond 'VW10'; allowed: 0 to 15"));
+  EXPECT_THAT(fault("at: VW10"),
+              testing::EndsWith("a bool in 'VW10' needs a bit; allowed: a bit in 'at', or 'bit': "
+                                "0 to 15\n"));
 }
 
 std::vector<std::string> warnings(const std::string& channels) {
