@@ -8,6 +8,7 @@
 #include "config/document/common_forms.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
+#include "core/codec/raw_items.hpp"
 #include "core/model/fit.hpp"
 
 namespace fieldcast::config {
@@ -107,10 +108,9 @@ bool is_number(const Encoding& encoding) {
 void check_hex(MapReader& map, const ChannelSpec& spec) {
   constexpr unsigned kMostHex = 18;  // 64 bits and "0x"
   const ValueType type = spec.encoding.type;
-  const bool real = type == ValueType::kFloat32 || type == ValueType::kFloat64;
-  const unsigned least = real ? width_bits(Encoding{.type = type}) / 4 : 1;
+  const unsigned least = is_float(type) ? width_bits(Encoding{.type = type}) / 4 : 1;
   if (spec.encoding.string_bytes >= least && spec.encoding.string_bytes <= kMostHex) return;
-  map.fault("text",
+  map.fault(map.has("text") ? "text" : "type",
             fmt::format("hex({}) does not spell a {}", spec.encoding.string_bytes,
                         fieldcast::to_text(type)),
             fmt::format("hex({}) to hex({})", least, kMostHex));
@@ -144,7 +144,8 @@ void read_text(MapReader& map, Draft& draft) {
     draft.typed = false;
   } else if (map.has("text") && !given) {
     draft.typed = false;  // a fault was already added
-  } else if (given && there == 0 && form.number.kind == TextNumber::Kind::kHex) {
+  } else if (form.number.kind == TextNumber::Kind::kHex &&
+             (there == 0 || is_float(encoding.type))) {
     check_hex(map, draft.spec);
   }
 }

@@ -47,6 +47,12 @@ TEST(NumberOnText, IsSaidByTheChannelOrByTheDeclaration) {
   EXPECT_FALSE(encoding_of(gauge("at: unit, type: string(2)")).text_number);
 }
 
+TEST(NumberOnText, ADeclaredTextCanBeTooShortForAFloatInHexadecimal) {
+  EXPECT_EQ(gauge_faults("at: level, type: float32, text: hex"),
+            "plant.yaml:4:44: hex(7) does not spell a float32; allowed: hex(8) to hex(18)\n");
+  EXPECT_EQ(gauge_faults("at: level, type: uint32, text: hex"), "");
+}
+
 TEST(NumberOnText, AnyOtherTypeOnATextIsAFault) {
   EXPECT_EQ(gauge_faults("at: level, type: float32"),
             "plant.yaml:4:29: type float32 at 'level', which is a text of 7 characters; allowed: "
