@@ -136,6 +136,11 @@ class CModeRead final : public CModeExchange {
   }
 
   Step take(ByteView all, Bytes& out) override {
+    if (open_) {  // an adapter may add noise behind our delimiter
+      const auto noise = std::ranges::find_if_not(all, is_turnaround) - all.begin();
+      all = all.subspan(static_cast<std::size_t>(noise));
+      if (all.empty()) return Step::need_response();
+    }
     if (!open_ || all.front() == kAt) {
       const std::uint32_t first = open_ ? 0 : frame_size(flags_ ? kFlagsFirst : kReadFirst);
       return search(all, kHeadSize + kEndCodeSize + first, out);
