@@ -12,7 +12,6 @@ namespace fieldcast::omron {
 namespace {
 
 constexpr std::size_t kMaxReceived = 1024;  // since the last send: eight frames
-constexpr std::uint16_t kNotSupported = 0x16;
 constexpr std::uint32_t kWordDigits = 4;
 
 const AreaRow& row_of(const Range& range) { return *reached_in(Mode::kCMode).rows[range.area]; }

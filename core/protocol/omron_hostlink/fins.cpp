@@ -49,6 +49,9 @@ class FinsExchange final : public Exchange {
     silence_ = Cause::kForeign;
     if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit)
       return Step::need_response();
+    // The response of a PLC without FINS.
+    if (last && text.size() == kHeadSize && text[3] == 'I' && text[4] == 'C')
+      return Step::failed(Cause::kDeviceError, kNotSupported);
     if (text[3] != 'F' || text[4] != 'A') return Step::need_response();
     silence_ = Cause::kMalformed;
     const auto bytes = read_hex_bytes(text.subspan(kHeadSize));

@@ -51,6 +51,7 @@ inline constexpr std::uint8_t kAt = '@', kStar = '*', kCr = '\r';
 inline constexpr std::size_t kFcsSize = 2;
 inline constexpr std::size_t kHeadSize = 5;  // @ uu HH
 inline constexpr std::size_t kEndCodeSize = 2;
+inline constexpr std::uint16_t kNotSupported = 0x16;  // end code, reported for a response IC
 
 // "@uuHH".
 void append_head(Bytes& out, std::uint16_t unit, std::string_view header);
