@@ -27,7 +27,8 @@ using s7comm::kErrorCodes;
 using s7comm::kS7226Memory;
 
 constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C,
-                       kEven = 0x7C;  // frame control: first request, then alternating
+                       kEven = 0x7C;      // frame control: first request, then alternating
+constexpr std::uint8_t kPositive = 0x00;  // in a short telegram: the same as E5
 constexpr std::uint8_t kDataResponse = 0x08;
 constexpr std::uint8_t kControlMask = 0x0F;
 constexpr unsigned kMaxPolls = 10;
@@ -122,6 +123,10 @@ class PpiExchange final : public Exchange {
   Step take_short(const Telegram& telegram, const Step& before) {
     if (!ours(telegram)) return before;
     const auto code = static_cast<std::uint8_t>(telegram.control & kControlMask);
+    if (code == kPositive) {
+      acknowledged_ = true;
+      return Step::pause_for(link_.poll_delay);
+    }
     return Step::failed(device_code_cause(kErrorCodes, code), code);
   }
 
