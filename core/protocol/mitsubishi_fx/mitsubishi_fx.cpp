@@ -119,8 +119,9 @@ class FxRead final : public FxExchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     silence_ = cause_of_noise(all);
-    // A refusal is one unprotected character: it only counts alone.
-    const bool refused = all.size() == 1 && all[0] == kNak;
+    // A refusal is one unprotected character: only turnaround noise may precede it.
+    const auto first = std::ranges::find_if_not(all, is_turnaround);
+    const bool refused = first != all.end() && *first == kNak && first + 1 == all.end();
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_response();
     // STX begins a frame at any time.
