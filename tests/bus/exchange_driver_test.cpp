@@ -16,8 +16,9 @@ const Bytes kAnswer{0x01, 0x03, 0x02, 0x00, 0x2A, 0x39, 0x9B};
 
 struct Line {
   explicit Line(Echo echo = Echo::kAbsent) : driver(kLine, 20ms, echo) {}
-  void ask(Instant at, Request request = ReadRequest{{{2, 100, 1}}}, bool distinct = true) {
-    driver.begin(protocol->begin(std::move(request), {1}), 200ms, distinct, at, out);
+  void ask(Instant at, Request request = ReadRequest{{{2, 100, 1}}},
+           EqualBytes equal = EqualBytes::kEcho) {
+    driver.begin(protocol->begin(std::move(request), {1}), 200ms, equal, at, out);
   }
   Outcome receive(const Bytes& bytes, Instant at) { return driver.on_bytes(bytes, at, out); }
 
@@ -168,7 +169,7 @@ TEST(ExchangeDriver, AResponseWithoutEchoShowsThatThereIsNone) {
 
 TEST(ExchangeDriver, EchoOfAWriteIsNotAResponse) {
   Line line(Echo::kPresent);
-  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, EqualBytes::kResponse);
   const Bytes sent = line.out;
   EXPECT_EQ(line.receive(sent, Instant{5ms}), Outcome::kWaiting);
   EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
@@ -177,7 +178,7 @@ TEST(ExchangeDriver, EchoOfAWriteIsNotAResponse) {
 
 TEST(ExchangeDriver, SecondCopyOfAWriteIsTheResponse) {
   Line line(Echo::kPresent);
-  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, EqualBytes::kResponse);
   const Bytes sent = line.out;
   EXPECT_EQ(line.receive(sent, Instant{5ms}), Outcome::kWaiting);
   EXPECT_EQ(line.receive(sent, Instant{20ms}), Outcome::kDone);
@@ -200,11 +201,38 @@ TEST(ExchangeDriver, ARefusalShowsWhetherTheLineEchoes) {
 
 TEST(ExchangeDriver, AResponseThatEqualsItsRequestTeachesNothing) {
   Line line(Echo::kUnknown);
-  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, EqualBytes::kResponse);
   const Bytes sent = line.out;
   EXPECT_EQ(line.receive({sent.begin(), sent.begin() + 3}, Instant{10ms}), Outcome::kWaiting);
   EXPECT_EQ(line.receive({sent.begin() + 3, sent.end()}, Instant{15ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.echo(), Echo::kUnknown);
+}
+
+// A read of coils whose request is also a valid response.
+const ReadRequest kDoubtfulRead{{{0, 768, 24}}};
+const Bytes kDoubtfulRequest{0x01, 0x01, 0x03, 0x00, 0x00, 0x18, 0x3C, 0x44};
+
+TEST(ExchangeDriver, BytesThatEqualADoubtfulReadAreNoResponse) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{}, kDoubtfulRead, EqualBytes::kDoubtful);
+  EXPECT_EQ(line.out, kDoubtfulRequest);
+  EXPECT_EQ(line.receive(kDoubtfulRequest, Instant{10ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kNoResponse);
+  EXPECT_EQ(line.driver.echo(), Echo::kUnknown);
+  // A read of another size finds that there is no echo; then the same bytes are the response.
+  line.ask(Instant{300ms});
+  EXPECT_EQ(line.receive(kAnswer, Instant{320ms}), Outcome::kDone);
+  line.ask(Instant{400ms}, kDoubtfulRead);
+  EXPECT_EQ(line.receive(kDoubtfulRequest, Instant{410ms}), Outcome::kDone);
+}
+
+TEST(ExchangeDriver, AResponseBehindTheEchoOfADoubtfulReadShowsTheEcho) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{}, kDoubtfulRead, EqualBytes::kDoubtful);
+  EXPECT_EQ(line.receive(kDoubtfulRequest, Instant{10ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive(kDoubtfulRequest, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.driver.echo(), Echo::kPresent);
 }
 
 TEST(ExchangeDriver, AsManyBytesAsTheBufferHoldsAreReceived) {

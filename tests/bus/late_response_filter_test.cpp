@@ -34,7 +34,8 @@ class LateResponseFilterTest : public testing::Test {
     Asked asked{0, std::move(request), late_.next_context(0), {}};
     late_.start_anew();
     Bytes out;
-    driver_.begin(setup_.protocol(0).begin(asked.request, asked.context), 200ms, true, at, out);
+    driver_.begin(setup_.protocol(0).begin(asked.request, asked.context), 200ms, EqualBytes::kEcho,
+                  at, out);
     asked.sent_until = driver_.sent_until();
     return asked;
   }

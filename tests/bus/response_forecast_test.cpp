@@ -26,7 +26,8 @@ struct Forecast {
   }
   void send(bool owed = false) {
     forecast.begin(owed);
-    driver.begin(protocol->begin(ReadRequest{{{2, 100, 1}}}, {1}), 200ms, true, now, out);
+    driver.begin(protocol->begin(ReadRequest{{{2, 100, 1}}}, {1}), 200ms, EqualBytes::kEcho, now,
+                 out);
     end = driver.sent_until() + kForecastLine.characters(7);
   }
   void receive(const Bytes& bytes) { (void)driver.on_bytes(bytes, now += 20ms, out); }
@@ -125,16 +126,16 @@ TEST(ResponseForecast, ARefusalIsNotDelayedByTheLengthOfTheResponse) {
   Forecast bus;
   bus.trust();
   bus.forecast.begin(false);
-  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 120}}}, {1}), 200ms, true, bus.now,
-                   bus.out);
+  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 120}}}, {1}), 200ms, EqualBytes::kEcho,
+                   bus.now, bus.out);
   EXPECT_EQ(bus.quiet_until(), bus.now + ResponseForecast::kLongest);
 }
 
 TEST(ResponseForecast, AtFirstTheLineIsReadBeforeTheRestOfAResponseIsWhole) {
   Forecast bus;
   bus.forecast.begin(false);
-  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 40}}}, {1}), 200ms, true, bus.now,
-                   bus.out);
+  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 40}}}, {1}), 200ms, EqualBytes::kEcho,
+                   bus.now, bus.out);
   bus.receive({0x01, 0x03, 80, 0x00});
   EXPECT_EQ(bus.quiet_until(), bus.now + kForecastLine.characters(81) -
                                    kForecastLine.characters(1) - ResponseForecast::kEarlyWake);
@@ -144,8 +145,8 @@ TEST(ResponseForecast, TheRestOfAResponseIsForecastFromItsFirstBytes) {
   Forecast bus;
   bus.trust();
   bus.forecast.begin(false);
-  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 40}}}, {1}), 200ms, true, bus.now,
-                   bus.out);
+  bus.driver.begin(bus.protocol->begin(ReadRequest{{{2, 100, 40}}}, {1}), 200ms, EqualBytes::kEcho,
+                   bus.now, bus.out);
   bus.receive({0x01, 0x03, 80, 0x00});
   EXPECT_GT(bus.quiet_until(), bus.now + kForecastLine.characters(70));
   EXPECT_LE(bus.quiet_until(), bus.now + kForecastLine.characters(81) + ResponseForecast::kLatest);

@@ -5,11 +5,11 @@
 
 namespace fieldcast {
 
-void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout,
-                           bool echo_is_distinct, Instant now, Bytes& out) {
+void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout, EqualBytes equal,
+                           Instant now, Bytes& out) {
   exchange_ = std::move(exchange);
   timeout_ = timeout;
-  echo_is_distinct_ = echo_is_distinct;
+  equal_ = equal;
   ended_in_silence_ = false;
   cause_ = Cause::kNone;
   device_code_ = 0;
@@ -50,7 +50,11 @@ bool ExchangeDriver::strip_echo() {
   }
   // An echo, or a response that begins the same.
   if (received_.size() < sent_.size()) return false;
-  if (echo_ == Echo::kUnknown && !echo_is_distinct_) return true;
+  if (echo_ == Echo::kUnknown && equal_ == EqualBytes::kResponse) return true;
+  // A response is not accepted here either: the next request of another size decides.
+  if (echo_ == Echo::kUnknown && equal_ == EqualBytes::kDoubtful &&
+      received_.size() == sent_.size())
+    return false;
   echo_ = Echo::kPresent;
   received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(sent_.size()));
   echo_stripped_ = true;
@@ -129,7 +133,8 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
     echo_ = received_.empty() ? Echo::kAbsent : echo_;
   // A response without an echo shows the same. A refusal never equals its request.
   const bool refused = cause_ == Cause::kDeviceError || cause_ == Cause::kDeviceBusy;
-  if (echo_ == Echo::kUnknown && ((done && echo_is_distinct_) || refused)) echo_ = Echo::kAbsent;
+  if (echo_ == Echo::kUnknown && ((done && equal_ != EqualBytes::kResponse) || refused))
+    echo_ = Echo::kAbsent;
   return done ? Outcome::kDone : Outcome::kFailed;
 }
 

@@ -15,6 +15,13 @@ namespace fieldcast {
 
 enum class Echo : std::uint8_t { kUnknown, kAbsent, kPresent };
 
+// Meaning of received bytes that equal the request, while it is unknown whether the line echoes.
+enum class EqualBytes : std::uint8_t {
+  kEcho,      // no response can equal the request
+  kResponse,  // a write: the response
+  kDoubtful,  // a read whose values can equal the request: an echo if other bytes follow
+};
+
 class ExchangeDriver {
  public:
   enum class Outcome : std::uint8_t { kWaiting, kSend, kDone, kFailed };
@@ -25,9 +32,9 @@ class ExchangeDriver {
   ExchangeDriver(const LineFormat& line, Duration gap_allowance, Echo echo)
       : line_(line), response_line_(line), gap_allowance_(gap_allowance), echo_(echo) {}
 
-  // REQUIRES: !active(). `echo_is_distinct`: no response can equal the request.
-  void begin(std::unique_ptr<Exchange> exchange, Duration timeout, bool echo_is_distinct,
-             Instant now, Bytes& out);
+  // REQUIRES: !active().
+  void begin(std::unique_ptr<Exchange> exchange, Duration timeout, EqualBytes equal, Instant now,
+             Bytes& out);
 
   // With kSend, `out` is the next request; with kDone and kFailed it is a confirmation to send,
   // usually empty. After these two see exchange() and cause().
@@ -120,7 +127,7 @@ class ExchangeDriver {
   LineFormat response_line_;  // line_, perhaps with the rate of the response
   Duration gap_allowance_;
   Echo echo_;
-  bool echo_is_distinct_ = true;
+  EqualBytes equal_ = EqualBytes::kEcho;
   bool echo_stripped_ = false;
   std::unique_ptr<Exchange> exchange_;
   Duration timeout_{};

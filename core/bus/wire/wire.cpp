@@ -42,11 +42,13 @@ Bytes Wire::send(const Send& with, Instant now) {
   asked.context.session = &session_;
   strays_since_ = kNever;
   ++exchanges_;
-  const bool echo_is_distinct =
-      driver_.echo() != Echo::kUnknown || setup_.response_differs(asked.device, asked.request);
+  EqualBytes equal = EqualBytes::kEcho;
+  if (driver_.echo() == Echo::kUnknown && !setup_.response_differs(asked.device, asked.request))
+    equal = std::holds_alternative<ReadRequest>(asked.request) ? EqualBytes::kDoubtful
+                                                               : EqualBytes::kResponse;
   Bytes out;
   driver_.begin(setup_.protocol(asked.device).begin(asked.request, asked.context), with.timeout,
-                echo_is_distinct, now, out);
+                equal, now, out);
   asked.sent_until = driver_.sent_until();
   return out;
 }

@@ -216,7 +216,7 @@ tl::expected<LineExchange::Response, std::string> LineExchange::ask(
   Bytes out;
   state.strays = 0;
   state.outcome = ExchangeDriver::Outcome::kWaiting;
-  state.driver->begin(std::move(exchange), timeout, true, steady_now(), out);
+  state.driver->begin(std::move(exchange), timeout, EqualBytes::kEcho, steady_now(), out);
   state.write(out, note);
   while (state.driver->active() && !state.closed && !state.interrupt.raised()) {
     state.wait(state.driver->deadline());

@@ -187,7 +187,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
     outcome.responses.emplace_back();
     how = ExchangeDriver::Outcome::kWaiting;
   };
-  driver.begin(std::move(exchange), kTimeout, true, now_, out);
+  driver.begin(std::move(exchange), kTimeout, EqualBytes::kEcho, now_, out);
   send();
   for (int step = 0; !ended(how) && step < kMostSteps && outcome.sent.size() <= kMostRounds;
        ++step) {
@@ -215,7 +215,7 @@ RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
   RunOutcome outcome;
   Bytes out;
   Instant now{};
-  driver.begin(std::move(exchange), kTimeout, true, now, out);
+  driver.begin(std::move(exchange), kTimeout, EqualBytes::kEcho, now, out);
   outcome.sent.push_back(out);
   auto how = ExchangeDriver::Outcome::kWaiting;
   for (int step = 0; !ended(how) && step < kMostSteps && outcome.sent.size() <= kMostRounds;
