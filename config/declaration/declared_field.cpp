@@ -261,7 +261,12 @@ class FieldReader {
                   "packed decimal digits fill whole bytes", "bytes: 1 to 9");
     field.word.characters = static_cast<std::uint8_t>(bytes);
     field.word.sign_bits = field.is_signed ? 1 : 0;
-    const auto highest = declared::largest(field.word);
+    field.word.sign_digit =
+        field.is_signed && defaults_.block == declared::Block::kRecords && map_.has("key");
+    // A positive number uses all digits, also the one that may be the sign.
+    declared::Word positive = field.word;
+    if (field.word.sign_digit) positive.sign_bits = 0;
+    const auto highest = declared::largest(positive);
     unsigned bits = field.is_signed ? 1 : 0;
     while (bits < 64 && highest >> bits != 0) ++bits;
     bits += field.is_signed ? 1 : 0;

@@ -68,6 +68,14 @@ std::size_t column(const Word& word, std::size_t power) {
   return word.notation == Notation::kHex ? power ^ 1u : power;
 }
 
+// Removes the sign of BCD from the byte with the highest digits; returns true for '-'.
+bool remove_sign(std::uint8_t& highest, const Word& word) {
+  const std::uint8_t sign = word.sign_digit ? 0xF0 : 0x80;
+  const bool negative = word.sign_bits != 0 && (highest & sign) == sign;
+  if (negative) highest = static_cast<std::uint8_t>(highest & ~sign);
+  return negative;
+}
+
 bool has_sign(ByteView characters, const Word& word) {
   return word.sign_bits != 0 && !characters.empty() &&
          (characters[0] == '-' || characters[0] == '+');
@@ -93,7 +101,7 @@ std::uint64_t largest(const Word& word) {
     for (unsigned i = 0; i < word.characters; ++i) limit *= base_of(word.notation);
     if (word.notation == Notation::kChannel) return limit < 100 ? limit - 1 : limit / 100 * 16 - 1;
     const bool sign_in_digit = word.notation == Notation::kBcd && word.sign_bits != 0;
-    return (sign_in_digit ? limit / 10 * 8 : limit) - 1;
+    return (sign_in_digit ? limit / 10 * (word.sign_digit ? 1 : 8) : limit) - 1;
   }
   const unsigned bits = word.characters * (word.notation == Notation::kHex ? 4u : 8u);
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
@@ -132,7 +140,7 @@ void append_word(Bytes& out, const Word& word, std::uint64_t number) {
     out.erase(digits, std::find_if(digits, out.end() - 1, [](auto c) { return c != '0'; }));
     if (negative) out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), '-');
   } else if (negative) {
-    out[at + column(word, word.characters - 1u)] |= 0x80u;
+    out[at + column(word, word.characters - 1u)] |= word.sign_digit ? 0xF0u : 0x80u;
   }
 }
 
@@ -144,7 +152,7 @@ std::optional<std::uint64_t> read_word(ByteView characters, const Word& word) {
   bool negative = false;
   for (std::size_t power = word.characters; power-- > 0;) {
     std::uint8_t c = characters[column(word, power)];
-    if (word.sign_bits != 0 && power + 1 == word.characters) negative = c >> 7 != 0, c &= 0x7Fu;
+    if (power + 1 == word.characters) negative = remove_sign(c, word);
     const std::uint64_t digit = word.notation == Notation::kBcd ? (c >> 4) * 10u + (c & 0xFu)
                                 : base == 256                   ? c
                                               : static_cast<std::uint64_t>(hex_digit(c));
@@ -161,8 +169,8 @@ bool could_begin(ByteView characters, const Word& word) {
   if (word.notation == Notation::kBinary) return true;
   if (word.notation == Notation::kBcd) {
     for (std::size_t i = 0; i < characters.size(); ++i) {
-      const bool highest = i % word.characters == column(word, word.characters - 1u);
-      const unsigned c = characters[i] & (word.sign_bits != 0 && highest ? 0x7Fu : 0xFFu);
+      std::uint8_t c = characters[i];
+      if (i % word.characters == column(word, word.characters - 1u)) (void)remove_sign(c, word);
       if (c >> 4 > 9 || (c & 0xFu) > 9) return false;
     }
     return true;

@@ -75,6 +75,8 @@ struct Word {
   // ASCII digits without leading zeros, at most `characters` of them. A received number may have
   // leading zeros and, with a sign, '+'.
   bool variable = false;
+  // The sign of BCD is F in the highest digit, as in M-Bus records (EN 13757-3, type A).
+  bool sign_digit = false;
   friend bool operator==(const Word&, const Word&) = default;
 };
 

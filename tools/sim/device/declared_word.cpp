@@ -23,9 +23,12 @@ Bytes highest_first(ByteView characters, const Word& word) {
   return turned;
 }
 
+// Added to the byte with the highest digits of a negative BCD number.
+std::uint8_t minus_of(const Word& word) { return word.sign_digit ? 0xF0 : 0x80; }
+
 std::optional<std::uint64_t> bcd_number(Bytes turned, const Word& word) {
-  const bool negative = word.sign_bits != 0 && turned[0] >= 0x80;
-  if (negative) turned[0] = static_cast<std::uint8_t>(turned[0] - 0x80);
+  const bool negative = word.sign_bits != 0 && turned[0] >= minus_of(word);
+  if (negative) turned[0] = static_cast<std::uint8_t>(turned[0] - minus_of(word));
   std::uint64_t number = 0;
   for (const std::uint8_t byte : turned) {
     if (byte >= 0xA0 || byte % 16 > 9) return std::nullopt;
@@ -41,7 +44,7 @@ Bytes bcd_characters(std::uint64_t number, const Word& word) {
   Bytes text(word.characters);
   for (std::size_t i = text.size(); i-- > 0; number /= 100)
     text[i] = static_cast<std::uint8_t>(number % 100 / 10 * 16 + number % 10);
-  if (negative) text[0] = static_cast<std::uint8_t>(text[0] + 0x80);
+  if (negative) text[0] = static_cast<std::uint8_t>(text[0] + minus_of(word));
   return text;
 }
 
