@@ -72,6 +72,15 @@ void append_group(Bytes& out, const Range& range) {
   append_u16(out, static_cast<std::uint16_t>(range.count));
 }
 
+// The response to one group of 33 to 40 bits is as long as its request and can equal it, as an echo
+// would. Two groups have the same data.
+constexpr std::uint32_t kFirstPart = 32;
+bool is_split(const ReadRequest& read) {
+  const Range& range = read.ranges.front();
+  return read.ranges.size() == 1 && range.area == kBit &&
+         data_bytes(kBit, range.count) == kGroupHead;
+}
+
 Bytes image_of(const Range& range, ByteView data) {
   return range.area == kBit ? unpack_bits(data, range.count) : Bytes(data.begin(), data.end());
 }
@@ -87,6 +96,7 @@ std::optional<MessageSizes> message_sizes(const Request& request, std::size_t lo
       sizes.request += kGroupHead;
       sizes.response += data_bytes(range.area, range.count);
     }
+    if (is_split(*read)) sizes.request += kGroupHead;
   } else if (const auto* write = std::get_if<WriteRequest>(&request)) {
     const Range& range = write->range;
     if (!fits(range) || write->bit ||
@@ -110,7 +120,15 @@ Bytes message_of(std::uint8_t address, const Request& request) {
     else
       append(message, write->items);
   } else {
-    for (const Range& range : std::get<ReadRequest>(request).ranges) append_group(message, range);
+    const auto& read = std::get<ReadRequest>(request);
+    std::vector<Range> groups = read.ranges;
+    if (is_split(read)) {
+      Range& first = groups.front();
+      const Range rest{kBit, first.first + kFirstPart, first.count - kFirstPart};
+      first.count = kFirstPart;
+      groups.push_back(rest);
+    }
+    for (const Range& group : groups) append_group(message, group);
   }
   append_crc16(message);
   return message;

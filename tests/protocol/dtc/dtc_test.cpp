@@ -47,6 +47,31 @@ TEST(DtcExchange, SeveralTypesInOneRequest) {
   EXPECT_EQ(to_hex(outcome.reply[2].items), "3F C0 00 00");
 }
 
+// Bits 35 and 37 alone would make the response the bytes of a request with one group of 40 bits.
+TEST(DtcExchange, AResponseOf33To40BitsDiffersFromItsRequest) {
+  const Device device = plc();
+  for (std::uint32_t count = 31; count <= 42; ++count) {
+    const Request request = device.read("bit:0", count);
+    const auto exchange = device.begin(request);
+    Bytes out;
+    const auto size = device.protocol().size(request);
+    ASSERT_TRUE(size);
+    const Step step = exchange->start(out);
+    EXPECT_EQ(out.size(), size->request_characters) << count;
+    EXPECT_NE(out.size(), step.characters) << count;
+  }
+  const Request request = device.read("bit:0", 40);
+  const auto exchange = device.begin(request);
+  Bytes out;
+  (void)exchange->start(out);
+  EXPECT_EQ(to_hex(out), to_hex(dtc_plain(dtc_message("05 00 0000 00 0020 0020 00 0008"))));
+  const Outcome outcome = drive(*exchange, dtc_plain(dtc_message("05 00 0000000028")));
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  Bytes bits(40);
+  bits[35] = bits[37] = 1;
+  EXPECT_EQ(to_hex(outcome.reply.at(0).items), to_hex(bits));
+}
+
 TEST(DtcExchange, AResponseIsReadWhetherCompressedOrNot) {
   const Device device = plc();
   Reply replies[2];
