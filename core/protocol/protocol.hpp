@@ -49,6 +49,9 @@ struct Area {
   ByteOrder text_order = ByteOrder::kBigEndian;
   // Every request reads the window as a whole (S7 freeport).
   bool window = false;
+  // A write also sends the items before it, and the other bits of its item. While the device has
+  // not reported them, only a write of whole items from the first one on is possible.
+  bool sends_earlier = false;
   std::uint32_t bank = 0;  // no range crosses a multiple of this (EM of Omron); 0: none
   // The first item of a bank counts the others that exist at the moment (queues).
   bool counted = false;

@@ -100,14 +100,36 @@ TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsResponse) {
 
 TEST(Freeport, AWriteOfALaterByteSendsTheEarlierOnesAgain) {
   const Device device = station(5);
-  EXPECT_EQ(text(device.request_bytes(device.write("window:2", "AB"))).substr(0, 14),
-            "qR05030000AB00");
   const auto first = device.begin(device.write("window:0", "C911"));
   ASSERT_TRUE(drive(*first, text("qC911F57C7DQ")).done());  // also reports what follows
   EXPECT_EQ(text(device.request_bytes(device.write("window:3", "AB"))).substr(0, 14),
             "qR0504C911F5AB");
   EXPECT_EQ(text(device.request_bytes(device.write_bit("window:1.7", true))).substr(0, 14),
             "qR0502C9910000");
+}
+
+// The other outputs of the PLC would become zero.
+TEST(Freeport, AWriteThatNeedsUnknownBytesIsNotPossible) {
+  const Device device = station(5);
+  const auto possible = [&](const Request& request) {
+    return device.protocol().size(request).has_value();
+  };
+  EXPECT_FALSE(possible(device.write("window:2", "AB")));
+  EXPECT_FALSE(possible(device.write_bit("window:0.7", true)));
+  EXPECT_TRUE(possible(device.write("window:0", "C9")));
+  const auto refused = device.begin(device.write("window:0", "C9"));
+  EXPECT_FALSE(drive(*refused, text("qE0441Q")).done());
+  EXPECT_FALSE(possible(device.write("window:2", "AB")));
+  const auto first = device.begin(device.write("window:0", "C9"));
+  ASSERT_TRUE(drive(*first, text("qC911F57C7DQ")).done());
+  EXPECT_TRUE(possible(device.write("window:2", "AB")));
+  EXPECT_TRUE(possible(device.write_bit("window:0.7", true)));
+}
+
+TEST(Freeport, UnknownBytesMayBeDeclaredZero) {
+  const Device device("s7-freeport", 5, {{"unknown-bytes", "zero"}});
+  EXPECT_EQ(text(device.request_bytes(device.write("window:2", "AB"))).substr(0, 14),
+            "qR05030000AB00");
 }
 
 TEST(Freeport, AResponseThatHoldsAnotherValueIsNotAConfirmation) {

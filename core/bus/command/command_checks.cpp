@@ -305,6 +305,11 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
     if (const auto* address = std::get_if<AddressTarget>(&command_.target);
         address != nullptr && is_field(*protocol_->parse_address(address->at)))
       return never_written(address->at);
+    const Area& written = area(first.range);
+    if (written.sends_earlier && (first.range.first > 0 || bit_))
+      return fault(Cause::kUnsupported,
+                   "other bytes are sent with it and are not known yet: write " +
+                       std::string(written.name) + ":0 first");
     return fault(Cause::kRange, "too many values for one request");
   }
   phase_ = merge_needed_ ? Phase::kReadBefore : Phase::kWrite;

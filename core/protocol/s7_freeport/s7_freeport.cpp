@@ -8,8 +8,9 @@
 // DT: `W` reads from the PLC (it writes to the line), `R` writes to it. DA station, LE bytes
 // (1..4), DU four bytes, FC the XOR of all characters after `q`. A station has one window of four
 // bytes to read and one to write; a write sets the first LE bytes, and its response contains all
-// four. To write a later byte, the earlier ones are sent as last reported by the station, initially
-// zero.
+// four. To write a later byte, the earlier ones are sent as last reported by the station; no
+// request reads them. Until a write from byte 0 on has shown them, writes that need them are not
+// possible, unless the option `unknown-bytes: zero` states that they are zero.
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 
 #include <algorithm>
@@ -35,7 +36,8 @@ constexpr std::array kAreas{Area{.name = "window",
                                  .max_read = kBytes,
                                  .max_write = kBytes,
                                  .bit_write = true,
-                                 .window = true}};
+                                 .window = true,
+                                 .sends_earlier = true}};
 constexpr Traits kTraits{.name = "s7-freeport",
                          .summary = "S7-200 freeport: four-byte windows in q..Q frames",
                          .lowest_address = 0,
@@ -44,6 +46,10 @@ constexpr Traits kTraits{.name = "s7-freeport",
                          .identity = ResponseIdentity::kNone,
                          .codes = kRefusals};
 using Window = std::array<std::uint8_t, kBytes>;
+struct Written {
+  Window window{};  // as last reported by the station
+  bool known = false;
+};
 
 // REQUIRES: `frame` is whole, including marks.
 bool check_is_right(ByteView frame) {
@@ -56,7 +62,7 @@ class FreeportExchange final : public Exchange {
   // `sent`: bytes to write, or zeros. The response repeats `length` bytes of a write; the rest is
   // zero after a read.
   FreeportExchange(char command, std::uint8_t station, std::uint32_t length, Window sent,
-                   Range wanted, Window* written)
+                   Range wanted, Written* written)
       : command_(command),
         station_(station),
         length_(length),
@@ -109,7 +115,8 @@ class FreeportExchange final : public Exchange {
     if (written_ != nullptr) {
       if (!std::equal(data->begin(), data->begin() + length, sent_.begin()))
         return broken(Cause::kMalformed);
-      std::copy(data->begin(), data->end(), written_->begin());
+      std::copy(data->begin(), data->end(), written_->window.begin());
+      written_->known = true;
       reply_.emplace_back();
     } else if (std::any_of(data->begin() + length, data->end(),
                            [](auto byte) { return byte != 0; })) {
@@ -137,16 +144,19 @@ class FreeportExchange final : public Exchange {
   const std::uint8_t station_;
   const std::uint32_t length_;
   const Window sent_;
-  const Range wanted_;     // count 0 if no range is read
-  Window* const written_;  // destination for the window that the station reports after a write
+  const Range wanted_;      // count 0 if no range is read
+  Written* const written_;  // destination for the window that the station reports after a write
   Reply reply_;
   Cause silence_ = Cause::kNoResponse;
 };
 
 class FreeportProtocol final : public Protocol {
  public:
-  FreeportProtocol(std::uint8_t station, bool swapped)
-      : station_(station), read_(swapped ? 'R' : 'W'), write_(swapped ? 'W' : 'R') {}
+  // `zero`: unknown bytes of the window to write are sent as zeros.
+  FreeportProtocol(std::uint8_t station, bool swapped, bool zero)
+      : station_(station), read_(swapped ? 'R' : 'W'), write_(swapped ? 'W' : 'R') {
+    written_.known = zero;
+  }
 
   const Traits& traits() const override { return kTraits; }
   std::span<const Area> areas() const override { return kAreas; }
@@ -169,7 +179,7 @@ class FreeportProtocol final : public Protocol {
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
-    if (!std::visit([](const auto& each) { return fits(each); }, request)) return std::nullopt;
+    if (!std::visit([&](const auto& each) { return fits(each); }, request)) return std::nullopt;
     return ExchangeSize::of(kRequest, kResponse);
   }
 
@@ -182,7 +192,7 @@ class FreeportProtocol final : public Protocol {
     // The response to a write is the window read back.
     const auto* both = std::get_if<WriteReadRequest>(&request);
     const WriteRequest& write = both != nullptr ? both->write : std::get<WriteRequest>(request);
-    Window sent = written_;
+    Window sent = written_.window;
     Bytes items = write.items;
     if (write.bit)
       items = {sent[write.range.first]},
@@ -196,31 +206,33 @@ class FreeportProtocol final : public Protocol {
 
  private:
   static bool fits(const Range& range) { return fieldcast::fits(kAreas, range, true); }
-  static bool fits(const WriteRequest& write) {
+  bool fits(const WriteRequest& write) const {
     return fits(write.range) && write.items.size() == write.range.count &&
-           (!write.bit || (write.range.count == 1 && *write.bit < 8));
+           (!write.bit || (write.range.count == 1 && *write.bit < 8)) &&
+           (written_.known || (write.range.first == 0 && !write.bit));
   }
   static bool fits(const ReadRequest& read) {
     return read.ranges.size() == 1 && fits(read.ranges[0]);
   }
-  static bool fits(const WriteReadRequest& both) { return fits(both.write) && fits(both.read); }
+  bool fits(const WriteReadRequest& both) const { return fits(both.write) && fits(both.read); }
 
   const std::uint8_t station_;
   const char read_, write_;
-  // As last reported by the station; only this device's exchanges modify it, one at a time.
-  mutable Window written_{};
+  // Only this device's exchanges modify it, one at a time.
+  mutable Written written_;
 };
 
-constexpr std::array<std::string_view, 1> kOptions{"letters"};
+constexpr std::array<std::string_view, 2> kOptions{"letters", "unknown-bytes"};
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kTraits, kOptions);
   const bool swapped = reader.choice("letters", {"normal", "swapped"}) == 1;
+  const bool zero = reader.choice("unknown-bytes", {"refuse", "zero"}) == 1;
   if (reader.fault()) return tl::unexpected(*reader.fault());
-  return std::make_unique<FreeportProtocol>(static_cast<std::uint8_t>(link.address), swapped);
+  return std::make_unique<FreeportProtocol>(static_cast<std::uint8_t>(link.address), swapped, zero);
 }
 
 constexpr std::string_view kAddresses[] = {"window:0", "window:1", "window:3", "window:2.7"};
-constexpr ProtocolOption kSwapped[] = {{"letters", "swapped"}};
+constexpr ProtocolOption kSwapped[] = {{"letters", "swapped"}, {"unknown-bytes", "zero"}};
 constexpr ProtocolVariant kVariants[] = {{.addresses = kAddresses},
                                          {.options = kSwapped, .addresses = kAddresses}};
 
@@ -233,7 +245,9 @@ const ProtocolEntry& entry() {
                                      .explain = explain,
                                      .seen_request = seen_request,
                                      .options = kOptions,
-                                     .options_text = "`letters: swapped`",
+                                     .options_text =
+                                         "`letters: swapped`, `unknown-bytes: zero` (bytes of the "
+                                         "window that are not known are written as 0)",
                                      .factory_line = {9600, 8, Parity::kNone, 1},
                                      .variants = kVariants};
   return row;
