@@ -69,8 +69,7 @@ void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFram
   // Equal bytes alone may be the response of a device that repeats the request.
   if (!echo_.empty() && response_->bytes.size() > echo_.size() &&
       std::equal(echo_.begin(), echo_.end(), response_->bytes.begin())) {
-    give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)",
-          record.session},
+    give({record.at, Direction::kSent, device_, echo_, std::string(kEchoComment), record.session},
          out);
     response_->bytes.erase(response_->bytes.begin(),
                            response_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));

@@ -16,6 +16,9 @@ namespace fieldcast {
 // The comment of each request of a programming session begins with it; the user follows.
 inline constexpr std::string_view kSessionComment = "programming session of ";
 
+// The comment of a sent frame that the line gave back ends with it. The frame is not a request.
+inline constexpr std::string_view kEchoComment = "the line gave the request back (echo)";
+
 struct CaptureRecord {
   enum class Kind : std::uint8_t {
     kSent,      // bytes; the text is their purpose

@@ -100,39 +100,77 @@ TEST_F(CaptureTest, WithoutAFrameNoFileIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-// A line that sends endlessly, and a recorded request without a response.
-TEST(ReplayTest, AnEndlessResponseIsAFault) {
-  namespace ip = boost::asio::ip;
+// `fieldcast replay` of a capture at a TCP port.
+struct ReplayTest : testing::Test {
+  ReplayTest() {
+    pcapng::append_section(capture, "test", "");
+    pcapng::append_interface(capture, "line", "");
+  }
+  ~ReplayTest() override { std::filesystem::remove(path); }
+
+  void add(Direction direction, const Bytes& bytes, std::string_view comment = {}) {
+    pcapng::append_packet(capture, {{1'700'000'000'000'000'000},
+                                    direction,
+                                    make_upper_pdu("mbrtu", "", direction, bytes),
+                                    std::string(comment)});
+  }
+  Ended replay() {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(capture.data()),
+               static_cast<std::streamsize>(capture.size()));
+    const std::string port = "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port());
+    const char* const words[] = {"fieldcast", "replay", path.c_str(), port.c_str()};
+    const auto parsed = parse_arguments(4, words);
+    EXPECT_TRUE(parsed) << parsed.error().text;
+    std::istringstream in;
+    std::ostringstream out, err;
+    const ExitCode code = (*parsed)->run({in, out, err});
+    return {code, out.str(), err.str()};
+  }
+
   Bytes capture;
-  pcapng::append_section(capture, "test", "");
-  pcapng::append_interface(capture, "line", "");
-  const Bytes pdu = make_upper_pdu("mbrtu", "", Direction::kSent, Bytes{1});
-  pcapng::append_packet(
-      capture, {{1'700'000'000'000'000'000}, Direction::kSent, pdu, std::string(kSessionComment)});
   const std::string path = std::filesystem::temp_directory_path() /
                            ("fieldcast-replay-" + std::to_string(::getpid()) + ".pcapng");
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(capture.data()),
-             static_cast<std::streamsize>(capture.size()));
   boost::asio::io_context io;
-  ip::tcp::acceptor acceptor(io, {ip::address_v4::loopback(), 0});
+  boost::asio::ip::tcp::acceptor acceptor{io, {boost::asio::ip::address_v4::loopback(), 0}};
+};
+
+// A line that sends endlessly, and a recorded request without a response.
+TEST_F(ReplayTest, AnEndlessResponseIsAFault) {
+  add(Direction::kSent, {1}, kSessionComment);
   std::jthread device([&] {
-    ip::tcp::socket peer = acceptor.accept();
+    boost::asio::ip::tcp::socket peer = acceptor.accept();
     boost::system::error_code closed;
     Bytes bytes(1);
     boost::asio::read(peer, boost::asio::buffer(bytes), closed);
     bytes.resize(ExchangeDriver::kMaxReceived);
     while (!closed) boost::asio::write(peer, boost::asio::buffer(bytes), closed);
   });
-  const std::string port = "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port());
-  const char* const words[] = {"fieldcast", "replay", path.c_str(), port.c_str()};
-  const auto parsed = parse_arguments(4, words);
-  ASSERT_TRUE(parsed) << parsed.error().text;
-  std::istringstream in;
-  std::ostringstream out, err;
-  EXPECT_EQ((*parsed)->run({in, out, err}), ExitCode::kTrouble);
-  EXPECT_EQ(err.str(), "fieldcast replay: request 1: the line sent more than 8192 bytes\n");
-  std::filesystem::remove(path);
+  const auto ended = replay();
+  EXPECT_EQ(ended.code, ExitCode::kTrouble);
+  EXPECT_EQ(ended.err, "fieldcast replay: request 1: the line sent more than 8192 bytes\n");
+}
+
+// The adapter of the recorded line had an echo; the line of the replay has none.
+TEST_F(ReplayTest, TheEchoOfARequestIsNotARequest) {
+  const Bytes request{0x40, 0x30}, response{0x41, 0x31, 0x0D};
+  const std::string user = std::string(kSessionComment) + "anna";
+  for (int i = 0; i < 2; ++i) {
+    add(Direction::kSent, request, user);
+    add(Direction::kSent, request, kEchoComment);
+    add(Direction::kReceived, response);
+  }
+  std::jthread device([&] {
+    boost::asio::ip::tcp::socket peer = acceptor.accept();
+    boost::system::error_code closed;
+    for (Bytes bytes = request; !closed;) {
+      boost::asio::read(peer, boost::asio::buffer(bytes), closed);
+      if (!closed) boost::asio::write(peer, boost::asio::buffer(response), closed);
+    }
+  });
+  const auto ended = replay();
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_EQ(ended.out, "2 requests, 0 with another response\n");
 }
 
 }  // namespace

@@ -158,6 +158,18 @@ TEST_F(InspectCapture, LearnPrintsADeclaration) {
   EXPECT_TRUE(config::load_declaration_text(shown.out, "mine.yaml"));
 }
 
+// The bridge writes the echo of a request as a sent frame.
+TEST_F(InspectCapture, LearnSkipsEchoes) {
+  Bytes bytes = head();
+  add_instruments([&](Direction direction, const std::string& hex) {
+    add(bytes, direction, hex);
+    if (direction == Direction::kSent) add(bytes, direction, hex, std::string(kEchoComment));
+  });
+  const auto shown = run({.protocol = file(bytes), .learn = true});
+  EXPECT_EQ(shown.code, ExitCode::kOk) << shown.err;
+  EXPECT_THAT(shown.err, HasSubstr("40 frames of line, 0 without a response"));
+}
+
 TEST_F(InspectCapture, LearnReadsATraceOfTheFirstBus) {
   std::string trace = "not a line of the trace\n";
   add_instruments([&](Direction direction, const std::string& hex) {
@@ -352,8 +364,10 @@ TEST_F(Decoding, EveryServiceIdOfFinsIsFound) {
   }
 }
 
-// With several ranges and rounds, the comment names the one that the frame belongs to.
+// With several ranges and rounds, the comment names the one that the frame belongs to. A line with
+// echo gives each request back.
 TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
+  constexpr std::string_view kComment = "plc: read V:100..101, M:0 (count, on)";
   const DeviceSpec& plc = plant_.buses[2].devices[0];
   const auto protocol = *make_protocol(plc, {});
   const ReadRequest request{{plc.channels[0].range, plc.channels[1].range}};
@@ -363,12 +377,6 @@ TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
   const Bytes received{0xE5};
   (void)exchange->on_bytes(received, poll);
   if (poll.empty()) (void)exchange->on_silence(poll);
-  ValueDecoder decoder(plant_.buses[2]);
-  EXPECT_THAT(decoder.take(Direction::kSent, first, "plc: read V:100..101, M:0 (count, on)"),
-              IsEmpty());
-  EXPECT_THAT(decoder.take(Direction::kReceived, received, {}), IsEmpty());
-  EXPECT_THAT(decoder.take(Direction::kSent, poll, "plc: read V:100..101, M:0 (count, on)"),
-              IsEmpty());
   // An S7 response with two items: 0x1234 and the byte 02.
   Bytes answer = *from_hex(
       "68 1E 1E 68 00 02 08 32 03 00 00 00 07 00 02 00 0B 00 00 04 02 FF 04 00 10 12 34 FF 04 00 "
@@ -378,8 +386,19 @@ TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
   for (std::size_t i = 4; i < answer.size(); ++i) sum = static_cast<std::uint8_t>(sum + answer[i]);
   answer.push_back(sum);
   answer.push_back(0x16);
-  EXPECT_THAT(text(decoder.take(Direction::kReceived, answer, {})),
-              ElementsAre("count=4660", "on=true"));
+  for (const bool echo : {false, true}) {
+    ValueDecoder decoder(plant_.buses[2]);
+    const auto send = [&](const Bytes& frame) {
+      EXPECT_THAT(decoder.take(Direction::kSent, frame, kComment), IsEmpty());
+      if (echo) { EXPECT_THAT(decoder.take(Direction::kSent, frame, kEchoComment), IsEmpty()); }
+    };
+    send(first);
+    EXPECT_THAT(decoder.take(Direction::kReceived, received, {}), IsEmpty());
+    send(poll);
+    EXPECT_THAT(text(decoder.take(Direction::kReceived, answer, {})),
+                ElementsAre("count=4660", "on=true"))
+        << echo;
+  }
 }
 
 TEST_F(Decoding, AResponseToNobodyHasNoValues) {

@@ -188,6 +188,7 @@ bool ValueDecoder::goes_on(ByteView frame) {
 
 std::vector<DecodedValue> ValueDecoder::take(Direction direction, ByteView frame,
                                              std::string_view comment) {
+  if (comment.ends_with(kEchoComment)) return {};
   if (direction == Direction::kSent) {
     if (goes_on(frame)) return {};
     exchange_.reset();

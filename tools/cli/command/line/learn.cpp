@@ -26,6 +26,7 @@ constexpr std::size_t kMaxTrace = 64 << 20;  // characters
 class LearnedInput {
  public:
   void take(const SeenFrame& frame) {
+    if (frame.comment.ends_with(kEchoComment)) return;
     if (!bus_) bus_ = frame.bus;
     if (frame.bus != *bus_ || !frame.direction) {
       ++others_;

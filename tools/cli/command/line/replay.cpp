@@ -59,6 +59,7 @@ tl::expected<std::vector<RecordedRequest>, std::string> recorded(const std::stri
   std::vector<RecordedRequest> steps;
   bool session = false;
   const CaptureEnd end = read_capture(in, [&](const SeenFrame& frame) {
+    if (frame.comment.ends_with(kEchoComment)) return;
     if (frame.direction == Direction::kSent) {
       session = frame.comment.find(kSessionComment) != std::string::npos;
       if (session) steps.push_back({frame.bytes, {}});
