@@ -1,10 +1,14 @@
 #include <poll.h>
 
 #include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <filesystem>
 #include <thread>
 
 #include "config/loader/loader.hpp"
+#include "core/codec/checksum.hpp"
 #include "tests/bridge/support/tcp_device.hpp"
 #include "tests/tools/cli/direct_fixture.hpp"
 
@@ -162,6 +166,43 @@ TEST_F(DirectTest, ScanGoesOnWhenAGatewayClosesTheConnection) {
   EXPECT_THAT(ended.out, HasSubstr(R"("address":3)"));
   EXPECT_THAT(ended.out, HasSubstr(R"("address":5)"));
   EXPECT_THAT(ended.out, Not(HasSubstr(R"("address":4)")));
+}
+
+// Regression: the file had a plain TCP device, for which the bridge plans no silence and no time of
+// the line.
+TEST_F(DirectTest, ScanOfASerialServerWritesItsLine) {
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::acceptor acceptor{io, {boost::asio::ip::address_v4::loopback(), 0}};
+  std::jthread server([&] {
+    boost::asio::ip::tcp::socket peer = acceptor.accept();
+    boost::system::error_code closed;
+    Bytes request(8);
+    while (!closed) {
+      request.resize(8);
+      request.resize(peer.read_some(boost::asio::buffer(request), closed));
+      if (request.size() < 8 || request[1] != 3) continue;
+      Bytes response(3 + 2 * request[5]);
+      response[0] = 1;
+      response[1] = 3;
+      response[2] = static_cast<std::uint8_t>(2 * request[5]);
+      append_crc16(response);
+      boost::asio::write(peer, boost::asio::buffer(response), closed);
+    }
+  });
+  const std::string file = std::filesystem::temp_directory_path() /
+                           ("fieldcast-" + std::to_string(::getpid()) + ".yaml");
+  const auto ended = scan({.port = "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()),
+                           .protocols = {"modbus-rtu"},
+                           .baud = 38400,
+                           .format = "8N1",
+                           .addresses = "1",
+                           .timeout = std::chrono::milliseconds{300},
+                           .out = file});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  const auto loaded = config::load_file(file);
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(to_text(line_of(loaded->buses.front().port)), "38400 8N1");
+  std::filesystem::remove(file);
 }
 
 TEST_F(DirectTest, ScanSaysThatNobodyResponds) {

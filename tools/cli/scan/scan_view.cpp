@@ -153,13 +153,14 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
   return json;
 }
 
-std::string configuration_text(const std::string& port, bool serial, const Scanner& scanner) {
+std::string configuration_text(const std::string& port, bool serial, const Scanner& scanner,
+                               bool server) {
   const ScanLine& line = scanner.lines()[scanner.found().front().line];
   const auto protocol = scan_protocol(line, line.addresses.front());
   const auto questions = questions_of(line.protocol, *protocol);
-  const std::string reached = serial ? fmt::format("serial: \"{}\", baud: {}, format: {}", port,
-                                                   line.format.baud, format_text(line.format))
-                                     : fmt::format("tcp: \"{}\"", port);
+  std::string reached = fmt::format("{}: \"{}\"", serial ? "serial" : "tcp", port);
+  if (serial || server)
+    reached += fmt::format(", baud: {}, format: {}", line.format.baud, format_text(line.format));
   std::string text = fmt::format(
       "# Written by `fieldcast scan`. Replace the channels by those of your devices, look at the\n"
       "# file with `fieldcast-bridge --check FILE`, then start `fieldcast-bridge FILE`.\n"

@@ -35,8 +35,9 @@ namespace fieldcast::cli {
                               bool serial);
 
 // A configuration for fieldcast-bridge: one bus, each device with the points of its SunSpec models,
-// otherwise with the requested channel. REQUIRES: a device was found.
+// otherwise with the requested channel. `server`: HOST:PORT is a serial server, and the format of
+// the scanned line is that of the line behind it. REQUIRES: a device was found.
 [[nodiscard]] std::string configuration_text(const std::string& port, bool serial,
-                                             const Scanner& scanner);
+                                             const Scanner& scanner, bool server = false);
 
 }  // namespace fieldcast::cli

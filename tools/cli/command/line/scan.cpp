@@ -30,6 +30,13 @@ PortSpec port_with(const PortSpec& port, const LineFormat& format) {
   return with;
 }
 
+// With a baud rate or a format, HOST:PORT is a serial server in front of a line.
+tl::expected<PortSpec, std::string> scan_port(const ScanOptions& options,
+                                              const NamedProtocol& protocol) {
+  return port_of({.port = options.port, .baud = options.baud, .format = options.format},
+                 protocol.factory_line());
+}
+
 tl::expected<std::vector<ScanLine>, std::string> lines_of(
     const ScanOptions& options, const std::vector<NamedProtocol>& protocols) {
   const bool serial = is_serial(options);
@@ -41,11 +48,10 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
           "a scan searches a serial port or HOST:PORT; 'fieldcast read' accepts {}HOST:PORT",
           other));
   }
-  LineOptions line{.port = options.port, .baud = options.baud, .format = options.format};
-  const auto said = port_of(line, LineFormat{});
-  if (!said) return tl::unexpected(said.error());
+  const auto port = scan_port(options, protocols.front());
+  if (!port) return tl::unexpected(port.error());
   std::optional<LineFormat> format;
-  if (!options.format.empty()) format = line_of(*said);
+  if (!options.format.empty()) format = line_of(*port);
   std::vector<ScanLine> lines;
   for (const NamedProtocol& protocol : protocols) {
     const ProtocolEntry* entry = protocol.built_in;
@@ -57,8 +63,9 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
           fmt::format("--addresses is for devices of a line; HOST:PORT of {} is one controller, "
                       "whose usual links are tried",
                       protocol.name()));
-    const auto formats = serial ? usual_formats(protocol, options.baud, format)
-                                : std::vector<LineFormat>{protocol.factory_line()};
+    const LineFormat far = has_line(*port) ? line_of(*port) : protocol.factory_line();
+    const auto formats =
+        serial ? usual_formats(protocol, options.baud, format) : std::vector<LineFormat>{far};
     for (ScanLine& more : scan_lines(protocol, formats, *addresses))
       lines.push_back(std::move(more));
   }
@@ -334,9 +341,10 @@ void show(const ScanOptions& options, const Scanner& scanner, const Streams& to)
   to.out.flush();
 }
 
-ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
-                             std::ostream& err) {
-  const NewFile file{options.out, configuration_text(options.port, is_serial(options), scanner)};
+ExitCode write_configuration(const ScanOptions& options, const PortSpec& port,
+                             const Scanner& scanner, std::ostream& err) {
+  const NewFile file{options.out,
+                     configuration_text(options.port, is_serial(options), scanner, has_line(port))};
   if (const auto fault = write_new_files({file}, false)) {
     err << "fieldcast scan: " << *fault << '\n';
     return ExitCode::kTrouble;
@@ -364,7 +372,7 @@ ExitCode scan(const ScanOptions& given, const Interrupt& interrupt, const Stream
   std::error_code ignored;
   if (!options.out.empty() && std::filesystem::exists(options.out, ignored))
     return usage_fault(to.err, "scan", options.out + " is there already; it is not written over");
-  const auto port = port_of(LineOptions{.port = options.port}, LineFormat{});
+  const auto port = scan_port(options, protocols.front());
   const BusSpec captured = captured_bus(*port, *lines);
   return on_line(options.capture, captured, "scan", to.err, [&](LineCapture* capture) {
     Scan run(options, *port, *std::move(lines), interrupt, to.err, capture);
@@ -385,7 +393,8 @@ ExitCode scan(const ScanOptions& given, const Interrupt& interrupt, const Stream
       return ExitCode::kNothing;
     }
     explain_broken(scanner, is_serial(options), to.err);
-    return options.out.empty() ? ExitCode::kOk : write_configuration(options, scanner, to.err);
+    return options.out.empty() ? ExitCode::kOk
+                               : write_configuration(options, *port, scanner, to.err);
   });
 }
 
@@ -395,7 +404,8 @@ void describe_scan(CommandLine& line, ScanOptions& options) {
   line.text("PORT", options.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT").required();
   line.texts("--protocol", options.protocols,
              "That devices may speak, in the order of trying (modbus-rtu; HOST:PORT: modbus-tcp)");
-  line.number("--baud", options.baud, 50, 4'000'000, "Only this rate (the usual ones)");
+  line.number("--baud", options.baud, 50, 4'000'000,
+              "Only this rate (the usual ones); HOST:PORT: of the line behind it");
   line.text("--format", options.format, "Only this format: 8N1, 8E1, .. (the usual ones)");
   line.text("--addresses", options.addresses, "Of devices: 1-32, 1,2,10-12 (1-32)");
   line.duration("--timeout", options.timeout, CommandLine::kShortest,
