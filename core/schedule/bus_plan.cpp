@@ -57,7 +57,11 @@ BusPlan make_plan(const BusSpec& bus, Duration response_time) {
   // The schedule starts with the engine's assumption; the devices then respond after response_time.
   plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedResponseTime);
   for (DeviceTiming& device : plan.input.devices) device.response_time = response_time;
-  plan.bound = load_bound_of(plan.input);
+  // Another master may begin with the silence that this one has to learn.
+  ScheduleInput least = plan.input;
+  if (const auto* learned = std::get_if<LearnedSilence>(&bus.silence))
+    least.silence = std::min(least.silence, least_silence(*learned, least.line));
+  plan.bound = load_bound_of(least);
   plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedResponseTime});
   return plan;
 }

@@ -319,6 +319,20 @@ TEST(ShareOfPossible, IsUnknownWithoutABound) {
   EXPECT_FALSE(share_of_possible(plan));
 }
 
+// Ten reads need 1.01 times the wire with the standard silence, and less with a learned one.
+TEST(LeastLoad, IsThatOfTheShortestSilenceThatTheBusMayLearn) {
+  BusSpec bus = bus_of(1, 40ms, 115200);
+  bus.devices.assign(10, bus.devices[0]);
+  const double standard = make_plan(bus, 1ms).bound->load;
+  EXPECT_GT(standard, 1);
+  bus.silence = LearnedSilence{};
+  EXPECT_NEAR(make_plan(bus, 1ms).bound->load, standard - 10 * 1.45 / 40, 0.001);
+  bus.silence = LearnedSilence{1ms};
+  EXPECT_NEAR(make_plan(bus, 1ms).bound->load, standard - 10 * 0.75 / 40, 0.001);
+  bus.silence = LearnedSilence{5ms};
+  EXPECT_EQ(make_plan(bus, 1ms).bound->load, standard);
+}
+
 TEST(SilenceFor, AConnectionRestsOnlyIfItIsConfigured) {
   BusSpec bus = bus_of(2, 1s, 19200);
   bus.port = TcpPortSpec{.host = "127.0.0.1", .port = 502};
