@@ -14,12 +14,12 @@ namespace {
 
 using PointsByArea = std::map<std::pair<DeviceIndex, AreaIndex>, std::vector<PointIndex>>;
 
-// Scheduled points by device and area, each in order of addresses.
+// Points that are read by themselves by device and area, each in order of addresses.
 PointsByArea points_by_area(const ScheduleInput& input) {
   PointsByArea areas;
   for (PointIndex point = 0; point < input.points.size(); ++point) {
     const Point& from = input.points[point];
-    if (from.mode == Mode::kScheduled) areas[{from.device, from.range.area}].push_back(point);
+    if (from.mode != Mode::kOnDemand) areas[{from.device, from.range.area}].push_back(point);
   }
   for (auto& [area, points] : areas) {
     std::ranges::sort(points, {}, [&](PointIndex point) {

@@ -20,7 +20,7 @@ struct LoadBound {
 };
 
 // Empty for a bus whose requests contain lists of ranges, or with more than 2 000 points in one
-// area of a device. Points that are not scheduled have no price.
+// area of a device. Points on demand have no price: only the other modes promise a refresh.
 [[nodiscard]] std::optional<LoadBound> load_bound_of(const ScheduleInput& input);
 
 // The load that the prices prove. Empty if they prove nothing: a price is negative, or a request

@@ -37,6 +37,17 @@ TEST(LoadBound, ASlowNeighbourPaysOnlyForItsItems) {
   EXPECT_EQ(bound->prices[1], wire_time_of(input, 2) - wire_time_of(input, 1));
 }
 
+// The refresh is a promise in both modes; on demand nothing is promised.
+TEST(LoadBound, AnIntensivePointPaysAsAScheduledOne) {
+  ScheduleInput input = test::input_of({{1, 0, 1.0}, {1, 500, 0.1}}, kFakeProtocol);
+  const auto scheduled = load_bound_of(input);
+  ASSERT_TRUE(scheduled);
+  input.points[1].mode = Mode::kIntensive;
+  EXPECT_EQ(load_bound_of(input)->load, scheduled->load);
+  input.points[1].mode = Mode::kOnDemand;
+  EXPECT_NEAR(load_bound_of(input)->load, scheduled->load / 11, 1e-9);
+}
+
 TEST(LoadBound, EqualsTheBoundOfClasses) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const auto bound = load_bound_of(bus(seed, 60, 1));
