@@ -122,7 +122,8 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
                   fmt::format("refused: user {} is neither root nor the one of the bridge",
                               user ? std::to_string(*user) : "?"));
     }
-    if (clients_.size() >= kMaxClients) return;  // destroys the socket
+    // Refused users occupy a place until their request: they leave most places free.
+    if (clients_.size() >= (allowed ? kMaxClients : kMaxRefused)) return;  // destroys the socket
     auto client = std::make_shared<CaptureClient>(
         std::move(socket),
         [weak = weak_from_this(), allowed](CaptureClient& asking, const std::string& request) {

@@ -17,7 +17,7 @@ class IoThread;
 
 class CaptureService {
  public:
-  static constexpr std::size_t kMaxClients = 16;
+  static constexpr std::size_t kMaxClients = 16, kMaxRefused = 4;
   // Period of writing; a tap must hold the records of this time.
   static constexpr Duration kTurn = std::chrono::milliseconds{100};
 

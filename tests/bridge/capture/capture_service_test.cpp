@@ -180,6 +180,46 @@ TEST(CaptureServiceTest, AnotherUserIsRefused) {
   EXPECT_EQ(status, 0);
 }
 
+// Regression: 16 connections of any user left no place for root.
+TEST(CaptureServiceTest, RefusedUsersLeavePlacesFree) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  CaptureService service{std::string(kBridge)};
+  (void)service.add_bus(one_meter());
+  ASSERT_TRUE(Client(service).connected());  // it listens
+  int ready[2], ended[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  ASSERT_EQ(::pipe(ended), 0);
+  const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
+  const pid_t child = ::fork();
+  if (child == 0) {  // a process of another user: system calls only
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    ::close(ended[1]);
+    bool connected = ::setuid(65534) == 0;
+    for (std::size_t i = 0; i < CaptureService::kMaxClients; ++i) {
+      const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+      connected = connected && ::connect(socket, reinterpret_cast<sockaddr*>(&address), size) == 0;
+    }
+    char byte = 0;
+    const bool waited = ::write(ready[1], &byte, 1) == 1 && ::read(ended[0], &byte, 1) == 0;
+    ::_exit(connected && waited ? 0 : 1);
+  }
+  ::close(ready[1]);
+  ::close(ended[0]);
+  char byte = 0;
+  EXPECT_EQ(::read(ready[0], &byte, 1), 1);
+  Client root(service);
+  root.say("list\n");
+  EXPECT_EQ(root.line(), "ok bridge service-test buses line");
+  ::close(ended[1]);
+  ::close(ready[0]);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+
 TEST(CaptureSocket, ItsNameSaysWhoseItIs) {
   const auto parsed = parse_capture_socket(capture_socket_name(998, "line-7", 4711));
   ASSERT_TRUE(parsed);
