@@ -159,6 +159,15 @@ class Watch(unittest.TestCase):
         self.assertEqual(process.returncode, 130, err)
         self.assertIn("of them GOOD", err)
 
+    def test_control_c_ends_the_status_of_a_time(self):
+        process = plant.start_cli("status", "--json", "--for", "60s", stderr=subprocess.PIPE)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        self.assertTrue(process.stdout.readline())
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130, err)
+
 
 class Write(unittest.TestCase):
     def write(self, *arguments):

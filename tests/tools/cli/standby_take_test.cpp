@@ -48,5 +48,21 @@ TEST(StandbyTake, AfterCtrlCBlamesNobody) {
   EXPECT_EQ(err.str(), "");
 }
 
+// Without a bridge. The signal waits until the command receives it.
+TEST(ReportsForATime, AfterCtrlCBlameNobody) {
+  ASSERT_EQ(kBlocked, 0);
+  const std::string number = std::to_string(testing::loopback().domain);
+  for (const char* command : {"status", "sessions"}) {
+    const char* const words[] = {"fieldcast", command, "--for", "1min", "--domain", number.c_str()};
+    const auto parsed = parse_arguments(6, words);
+    ASSERT_TRUE(parsed) << parsed.error().text;
+    std::istringstream in;
+    std::ostringstream out, err;
+    ::kill(::getpid(), SIGINT);
+    EXPECT_EQ((*parsed)->run({in, out, err}), ExitCode::kInterrupted) << command;
+    EXPECT_EQ(err.str(), "") << command;
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast::cli

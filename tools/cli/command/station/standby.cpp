@@ -44,7 +44,7 @@ ExitCode sessions(const SessionsOptions& options, const Connection& connection,
     return true;
   };
   const Listening listening = receive_reports(domain, connection, options.time, to, on_event);
-  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (domain.interrupted()) return ExitCode::kInterrupted;
   if (const auto code =
           no_reports("sessions", domain, connection, listening, listening.anybody(), to.err))
     return *code;

@@ -89,7 +89,7 @@ bool screen_wanted(const StatusOptions& options, std::ostream& err) {
   return reason.empty();
 }
 
-// Returns kOk if a bus reported, else kNoBridge.
+// Returns kOk if a bus reported or Ctrl-C ended an endless screen, else kNoBridge.
 ExitCode status(const StatusOptions& options, const Connection& connection, Interrupt& interrupt,
                 const Streams& to) {
   DomainView domain(connection, interrupt);
@@ -100,7 +100,8 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   if (screen_wanted(options, to.err)) {
     status_live(connection, domain, model, members, options.time ? began + *options.time : kNever);
     print_tables(model, model.members, to.out);
-    return to.out.flush() ? ExitCode::kOk : ExitCode::kTrouble;
+    if (!to.out.flush()) return ExitCode::kTrouble;
+    return domain.interrupted() && options.time ? ExitCode::kInterrupted : ExitCode::kOk;
   }
   const Listening listening = receive_reports(domain, connection, options.time, to,
                                               [&](const DomainEvent& event, const Listening&) {
@@ -109,7 +110,7 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
                                                   print_event(model, event, to.out);
                                                 return is_new;
                                               });
-  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (domain.interrupted() && (!options.time || model.buses.empty())) return ExitCode::kInterrupted;
   if (const auto code =
           no_reports("status", domain, connection, listening, !model.buses.empty(), to.err))
     return *code;
@@ -118,8 +119,8 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   } else if (!options.time) {
     print_json(model, members.model(), to.out);
   }
-  to.out.flush();
-  return to.out ? ExitCode::kOk : ExitCode::kTrouble;
+  if (!to.out.flush()) return ExitCode::kTrouble;
+  return domain.interrupted() ? ExitCode::kInterrupted : ExitCode::kOk;
 }
 
 void describe_status(CommandLine& line, StatusOptions& options) {
