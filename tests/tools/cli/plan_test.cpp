@@ -1,5 +1,13 @@
+#include "tools/cli/command/plan.hpp"
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "core/protocol/families/registry.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
@@ -198,6 +206,36 @@ TEST(PlanView, TightestChannelComesFirst) {
     EXPECT_LE(tightness, before);
     before = tightness;
   }
+}
+
+// A signal ends the command at any time: the output has the buses that are planned.
+TEST(PlanCommand, WritesEachBusWhenItIsPlanned) {
+  struct Counted : std::stringbuf {
+    int sync() override {
+      ++flushes;
+      return std::stringbuf::sync();
+    }
+    int flushes = 0;
+  };
+  const std::string file = std::filesystem::temp_directory_path() /
+                           ("fieldcast-plan-" + std::to_string(::getpid()) + ".yaml");
+  std::ofstream plant(file);
+  plant << "bridge: b\nbuses:\n";
+  for (const char* bus : {"one", "two"})
+    plant << fmt::format(
+        "  - name: {0}\n    port: {{ serial: /dev/{0} }}\n    protocol: modbus-rtu\n    devices:\n"
+        "      - {{ name: d, address: 1, channels: [ {{ name: c, at: \"coil:3\" }} ] }}\n",
+        bus);
+  plant.close();
+  for (const bool json : {false, true}) {
+    Counted counted;
+    std::ostream out(&counted);
+    std::istringstream in;
+    std::ostringstream err;
+    EXPECT_EQ(plan({.config = file, .json = json}, {in, out, err}), ExitCode::kOk) << err.str();
+    EXPECT_EQ(counted.flushes, 2) << json;
+  }
+  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -122,12 +122,12 @@ ExitCode plan(const PlanOptions& options, const Streams& to) {
     if (!plan.prediction.feasible) verdict = ExitCode::kFound;
     if (options.json) {
       to.out << plan_json(plan).text() << '\n';
-      continue;
+    } else {
+      if (!std::exchange(first, false)) to.out << '\n';
+      print(to.out, plan_lines(plan, to.wide_screen()));
     }
-    if (!std::exchange(first, false)) to.out << '\n';
-    print(to.out, plan_lines(plan, to.wide_screen()));
+    to.out.flush();  // a signal ends the command at any time
   }
-  to.out.flush();
   return verdict;
 }
 
