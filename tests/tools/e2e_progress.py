@@ -15,6 +15,7 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import termios
 import threading
 import time
 import unittest
@@ -64,6 +65,14 @@ class Commands(InAFolder):
             terminal.read(0.3)
             lines = [line for line in terminal.lines() if line]
             self.assertLessEqual(len(lines), 1, terminal.text())
+
+
+class Password(Commands):
+    def test_the_terminal_has_its_echo_again(self):
+        with Terminal([program("fieldcast"), "user", "add", "anna", "--store", self.path("x.db")]) as terminal:
+            terminal.wait_until(lambda text: "password:" in text and not terminal.modes_now()[3] & termios.ECHO, "a prompt without echo")
+            self.end_by_ctrl_c(terminal, -signal.SIGINT)
+            self.assertEqual(terminal.modes_now(), terminal.modes)
 
 
 class Simulation(Commands):

@@ -5,6 +5,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
 
@@ -32,20 +34,44 @@ Screen output_screen() {
 
 namespace {
 
+constexpr std::array kEndingSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+
+termios modes_before{};  // of the terminal, while it has no echo; for the signal handler
+
+// SA_RESETHAND: the second signal ends the process.
+void restore_echo_and_end(int signal) {
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &modes_before);
+  ::raise(signal);
+}
+
+// Only one at a time. A signal that ends the process restores the echo first.
 class Silence {
  public:
   Silence() {
-    ::tcgetattr(STDIN_FILENO, &before_);
-    termios quiet = before_;
+    ::tcgetattr(STDIN_FILENO, &modes_before);
+    for (const int signal : kEndingSignals) replace(signal, SIG_DFL, restore_echo_and_end);
+    termios quiet = modes_before;
     quiet.c_lflag &= ~static_cast<tcflag_t>(ECHO);
     ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &quiet);
   }
-  ~Silence() { ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_); }
+  ~Silence() {
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &modes_before);
+    for (const int signal : kEndingSignals) replace(signal, restore_echo_and_end, SIG_DFL);
+  }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
 
  private:
-  termios before_{};
+  using Handler = void (*)(int);
+  // An ignored signal stays ignored.
+  static void replace(int signal, Handler from, Handler to) {
+    struct sigaction action {};
+    ::sigaction(signal, nullptr, &action);
+    if (action.sa_handler != from) return;
+    action.sa_handler = to;
+    action.sa_flags = SA_RESETHAND;
+    ::sigaction(signal, &action, nullptr);
+  }
 };
 
 tl::expected<Secret, std::string> first_line(std::istream& in, const std::string& source) {
