@@ -270,6 +270,16 @@ TEST_F(InspectCapture, WhatIsNotACaptureIsRefused) {
   EXPECT_THAT(old.err, HasSubstr("save it as pcapng in Wireshark"));
 }
 
+// Regression: both had the empty name of a dissector.
+TEST_F(InspectCapture, WithoutADissectorTheProtocolIsThatOfTheConfiguration) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest, "", "");
+  const auto unknown = run({.protocol = file(bytes)});
+  EXPECT_THAT(unknown.out, HasSubstr("not explained: the protocol is unknown"));
+  EXPECT_THAT(run({.protocol = file(bytes), .config = config_}).out,
+              HasSubstr(">> modbus-rtu 01 03 00 64"));
+}
+
 TEST_F(InspectCapture, AFileNamedLikeACaptureIsNotAProtocolWhateverIsInIt) {
   const std::string path = folder_ + "/broken.pcapng";
   EXPECT_THAT(run({.protocol = path}).err, HasSubstr("broken.pcapng: No such file"));

@@ -204,7 +204,8 @@ constexpr std::string_view kDeclaredFrames = "fieldcast-frame";
 // Protocol of a dissector; an unknown dissector is returned unchanged.
 std::string protocol_of(const UpperPdu& pdu) {
   for (const ProtocolEntry& entry : protocols()) {
-    if (pdu.dissector == entry.dissector) return std::string(entry.name);
+    if (!entry.dissector.empty() && pdu.dissector == entry.dissector)
+      return std::string(entry.name);
   }
   if (pdu.dissector == kDeclaredFrames) return pdu.column;
   if (pdu.dissector.starts_with(kOwn)) return pdu.dissector.substr(kOwn.size());
