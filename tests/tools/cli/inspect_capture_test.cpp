@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "config/loader/loader.hpp"
 #include "core/capture/pcapng.hpp"
@@ -278,6 +280,21 @@ TEST_F(InspectCapture, WithoutADissectorTheProtocolIsThatOfTheConfiguration) {
   EXPECT_THAT(unknown.out, HasSubstr("not explained: the protocol is unknown"));
   EXPECT_THAT(run({.protocol = file(bytes), .config = config_}).out,
               HasSubstr(">> modbus-rtu 01 03 00 64"));
+}
+
+TEST_F(InspectCapture, APipeIsRead) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest);
+  const std::string pipe = folder_ + "/pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::jthread writer([&] {
+    std::ofstream(pipe, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  });
+  const auto shown = run({.protocol = pipe});
+  EXPECT_THAT(shown.out, HasSubstr(">> modbus-rtu 01 03 00 64"));
+  EXPECT_EQ(shown.err, "fieldcast inspect: 1 frame, 0 with a fault\n");
 }
 
 TEST_F(InspectCapture, AFileNamedLikeACaptureIsNotAProtocolWhateverIsInIt) {

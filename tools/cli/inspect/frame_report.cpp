@@ -223,13 +223,14 @@ std::optional<Direction> direction_of(const pcapng::ReadPacket& packet, const Up
 
 bool is_capture(std::istream& in) {
   std::uint8_t first[4] = {};
-  for (std::size_t i = 0; i < 4; ++i) {
+  std::size_t read = 0;
+  for (; read < 4; ++read) {
     const int c = in.get();
     if (c == std::istream::traits_type::eof()) break;
-    first[i] = static_cast<std::uint8_t>(c);
+    first[read] = static_cast<std::uint8_t>(c);
   }
   in.clear();
-  in.seekg(0);
+  for (; read > 0; --read) in.unget();  // a pipe has no position for seekg()
   const std::uint32_t magic = read_u32(first);
   const std::uint32_t swapped = static_cast<std::uint32_t>(first[3]) << 24 |
                                 static_cast<std::uint32_t>(first[2]) << 16 | first[1] << 8 |
