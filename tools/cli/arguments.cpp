@@ -50,8 +50,12 @@ tl::expected<std::unique_ptr<Command>, NoCommand> parse_arguments(int argc,
     return tl::unexpected(NoCommand{ended->fault ? ExitCode::kUsage : ExitCode::kOk,
                                     (ended->fault ? "fieldcast: " : "") + ended->text});
   }
-  const std::string_view given = argv[1];  // a valid command, otherwise parsing has ended above
-  const auto entry = std::ranges::find(commands(), given, &CommandRow::name);
+  // The parser accepts an option such as --version=false before the command.
+  const auto entry = std::ranges::find(commands(), std::string_view(argv[1]), &CommandRow::name);
+  if (entry == commands().end())
+    return tl::unexpected(NoCommand{
+        ExitCode::kUsage, fmt::format("fieldcast: expected a command as the first word, got '{}'\n",
+                                      printable(argv[1]))});
   return std::move(all[static_cast<std::size_t>(entry - commands().begin())]);
 }
 

@@ -216,6 +216,7 @@ TEST(Arguments, FaultsSayWhatIsWrong) {
       {{}, "subcommand"},
       {{"wach", "a"}, "did you mean watch?"},
       {{"frobnicate"}, "there are"},
+      {{"--version=false", "status"}, "as the first word, got '--version=false'"},
       {{"watch", "a/b/c/d"}, "more than three segments"},
       {{"watch", "--for", "soon"}, "is no duration"},
       {{"watch", "--domain", "233"}, "--domain"},
