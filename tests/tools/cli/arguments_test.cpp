@@ -217,6 +217,7 @@ TEST(Arguments, FaultsSayWhatIsWrong) {
       {{"wach", "a"}, "did you mean watch?"},
       {{"frobnicate"}, "there are"},
       {{"--version=false", "status"}, "as the first word, got '--version=false'"},
+      {{"alarms", "--store", "x.db"}, "goes with --from or --to"},
       {{"watch", "a/b/c/d"}, "more than three segments"},
       {{"watch", "--for", "soon"}, "is no duration"},
       {{"watch", "--domain", "233"}, "--domain"},

@@ -81,10 +81,11 @@ void add_span(CommandLine& line, TimeSpan& span) {
   line.when_given([text = add_span_text(line), &span] { return read_span(*text, span); });
 }
 
-void add_span(CommandLine& line, std::optional<TimeSpan>& span, std::function<void()> then) {
+void add_span(CommandLine& line, std::optional<TimeSpan>& span,
+              std::function<std::optional<CommandLine::Fault>()> then) {
   line.when_given([text = add_span_text(line), &span, then = std::move(then)] {
-    then();
-    return text->given() ? read_span(*text, span.emplace()) : std::nullopt;
+    auto fault = text->given() ? read_span(*text, span.emplace()) : std::nullopt;
+    return fault ? fault : then();
   });
 }
 

@@ -57,7 +57,8 @@ inline constexpr const char* kPatternHelp =
 // REQUIRES: `span` lives until the parse.
 void add_span(CommandLine& line, TimeSpan& span);
 // The span stays empty if neither option is given. `then` runs after the options were parsed.
-void add_span(CommandLine& line, std::optional<TimeSpan>& span, std::function<void()> then);
+void add_span(CommandLine& line, std::optional<TimeSpan>& span,
+              std::function<std::optional<CommandLine::Fault>()> then);
 
 // Sets `target` if the subcommand `line` is given.
 template <typename Value>

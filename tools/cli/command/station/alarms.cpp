@@ -251,7 +251,11 @@ void describe_maintenance(CommandLine& line, AlarmsOptions& options) {
 }
 
 void describe_alarms(CommandLine& line, AlarmsOptions& options) {
-  add_span(line, options.span, [&options] { options.source.config = options.connection.config; });
+  add_span(line, options.span, [&options]() -> std::optional<CommandLine::Fault> {
+    options.source.config = options.connection.config;
+    if (options.span || options.source.store.empty()) return std::nullopt;
+    return CommandLine::Fault{"--store", "goes with --from or --to"};
+  });
   line.flag("--json", options.json, "JSON lines, of those that are clear again too");
   line.text("--store", options.source.store, "With --from: look into this store");
   add_connection(line, options.connection);
