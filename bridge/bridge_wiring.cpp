@@ -31,8 +31,8 @@ program::Hooks Bridge::program_hooks() {
   const auto verdict = [](std::function<void(program::LoginResponse)> done) {
     return [done = std::move(done)](const LoginResult& result) {
       if (!result) return done({false, to_text(result.error())});
-      done({may(*result, Role::kProgrammer),
-            fmt::format("the role {} may not program", to_text(*result))});
+      done({may(result->role, Role::kProgrammer),
+            fmt::format("the role {} may not program", to_text(result->role))});
     };
   };
   // Without a store, the certificate authority decides which users are engineers.

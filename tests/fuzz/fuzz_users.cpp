@@ -112,7 +112,7 @@ void read_store(const std::string& text) {
     for (const User& user : users.list()) require(role_from(to_text(user.role)).has_value());
   } catch (const StoreError& error) { require(is_one_line(error.what())); }
   for (const std::string& name : values) {
-    if (const auto role = users.role_of(name)) (void)to_text(*role);
+    if (const auto user = users.find(name)) (void)to_text(user->role);
   }
   TokenTable tokens(connection);
   for (const Token& token : tokens.list()) (void)tokens.remove(token.name);

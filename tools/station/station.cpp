@@ -156,14 +156,14 @@ LoginCheck WebStation::State::login_check() {
   check.random = random_secret;
   if (!logins) return check;
   check.by_password = [this](LoginAttempt attempt, std::function<void(LoginVerdict)> done) {
-    const std::string user = attempt.user;
-    logins->authenticate(std::move(attempt),
-                         [this, user, done = std::move(done)](LoginResult result) {
-                           post([user, done, result] {
-                             if (!result) return done(tl::make_unexpected(result.error()));
-                             done(LoginGrant{user, *result});
-                           });
-                         });
+    logins->authenticate(std::move(attempt), [this, done = std::move(done)](LoginResult result) {
+      post([done, result] {
+        if (!result) return done(tl::make_unexpected(result.error()));
+        done(LoginGrant{.user = result->name,
+                        .role = result->role,
+                        .credential_created_at = result->created_at});
+      });
+    });
   };
   check.by_token = [this](std::string token, const std::string& peer,
                           std::function<void(LoginVerdict)> done) {

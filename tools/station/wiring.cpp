@@ -109,9 +109,7 @@ void UserWatch::look() {
 void UserWatch::on_users(const Users& users) {
   if (users) {
     users_ = users->size();
-    std::vector<SessionStore::KnownUser> known;
-    for (const User& user : *users) known.push_back({user.name, user.role, user.created_at});
-    site_.book().users_are(known);
+    site_.book().users_are(*users);
   }
   site_.set_local_role(local_role_of(spec_, users_));
   timer_.expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(kPeriod));

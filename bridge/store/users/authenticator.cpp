@@ -11,7 +11,6 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/sql/sql.hpp"
-#include "bridge/store/users/user_table.hpp"
 
 namespace fieldcast {
 
@@ -116,9 +115,9 @@ LoginResult Authenticator::verdict(const LoginAttempt& attempt) {
   try {
     if (!connection_) connection_ = open_store(address_, IfMissing::kFail);
     UserTable users(*connection_);
-    const auto role = attempt.certified ? users.role_of(attempt.user)
-                                        : users.verify(attempt.user, attempt.password.text());
-    if (role) return *role;
+    auto user = attempt.certified ? users.find(attempt.user)
+                                  : users.verify(attempt.user, attempt.password.text());
+    if (user) return *std::move(user);
     return refused(attempt.certified ? LoginRefused::Why::kUnknown : LoginRefused::Why::kWrong);
   } catch (const StoreError& error) {
     connection_.reset();

@@ -15,6 +15,7 @@
 #include "bridge/process/secret.hpp"
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/sql/sql.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "core/access/login.hpp"
 #include "core/base/time.hpp"
 
@@ -42,7 +43,7 @@ struct LoginRefused {
 // One human-readable line, also for the audit; contains no secret.
 [[nodiscard]] std::string to_text(const LoginRefused& refused);
 
-using LoginResult = tl::expected<Role, LoginRefused>;
+using LoginResult = tl::expected<User, LoginRefused>;
 
 class Logins {
  public:

@@ -104,6 +104,13 @@ const std::string& nobody() {
   return hash;
 }
 
+// `row` begins with role and created_at. Empty if the role is unknown.
+std::optional<User> user_of(const std::string& name, const SqlRow& row) {
+  const auto role = role_from(text_at(row, 0));
+  if (!role) return std::nullopt;
+  return User{name, *role, UtcTime{integer_at(row, 1)}};
+}
+
 bool plain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || c == '.' || c == '@';
@@ -137,25 +144,26 @@ std::vector<User> UserTable::list() {
   return users;
 }
 
-std::optional<Role> UserTable::verify(const std::string& name, std::string_view password) {
+std::optional<User> UserTable::verify(const std::string& name, std::string_view password) {
   std::string hash = nobody();
-  std::optional<Role> role;
-  connection_.query("select role, password_hash from users where name = $1", SqlRow{name},
-                    [&](const SqlRow& row) {
-                      role = role_from(text_at(row, 0));
-                      hash = text_at(row, 1);
+  std::optional<User> user;
+  connection_.query("select role, created_at, password_hash from users where name = $1",
+                    SqlRow{name}, [&](const SqlRow& row) {
+                      user = user_of(name, row);
+                      hash = text_at(row, 2);
                       return false;
                     });
-  return password_fits(hash, password) ? role : std::nullopt;
+  return password_fits(hash, password) ? user : std::nullopt;
 }
 
-std::optional<Role> UserTable::role_of(const std::string& name) {
-  std::optional<Role> role;
-  connection_.query("select role from users where name = $1", SqlRow{name}, [&](const SqlRow& row) {
-    role = role_from(text_at(row, 0));
-    return false;
-  });
-  return role;
+std::optional<User> UserTable::find(const std::string& name) {
+  std::optional<User> user;
+  connection_.query("select role, created_at from users where name = $1", SqlRow{name},
+                    [&](const SqlRow& row) {
+                      user = user_of(name, row);
+                      return false;
+                    });
+  return user;
 }
 
 std::string fault_of_user_name(std::string_view name) {

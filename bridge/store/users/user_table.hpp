@@ -48,7 +48,7 @@ class TokenTable {
 struct User {
   std::string name;
   Role role = Role::kViewer;
-  UtcTime created_at;
+  UtcTime created_at;  // of this password: a new one needs remove() and add()
 };
 
 class UserTable {
@@ -61,10 +61,10 @@ class UserTable {
   [[nodiscard]] bool remove(const std::string& name);  // false: there is none
   [[nodiscard]] std::vector<User> list();              // sorted by name
 
-  // Returns the role if name and password match. Lasts equally long for an unknown name.
-  [[nodiscard]] std::optional<Role> verify(const std::string& name, std::string_view password);
-  // Returns the role of a user who was authenticated by other means; `std::nullopt` if unknown.
-  [[nodiscard]] std::optional<Role> role_of(const std::string& name);
+  // Returns the user if name and password match. Lasts equally long for an unknown name.
+  [[nodiscard]] std::optional<User> verify(const std::string& name, std::string_view password);
+  // Returns a user who was authenticated by other means; `std::nullopt` if unknown.
+  [[nodiscard]] std::optional<User> find(const std::string& name);
 
  private:
   SqlConnection& connection_;

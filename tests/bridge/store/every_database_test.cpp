@@ -262,7 +262,10 @@ void knows_its_users(const StoreAddress& address) {
   UserTable users(*connection);
   EXPECT_TRUE(users.add("ann", Role::kOperator, "correct horse", utc(0)));
   EXPECT_FALSE(users.add("ann", Role::kViewer, "correct horse", utc(0)));
-  EXPECT_EQ(users.verify("ann", "correct horse"), Role::kOperator);
+  const auto verified = users.verify("ann", "correct horse");
+  ASSERT_TRUE(verified);
+  EXPECT_EQ(verified->role, Role::kOperator);
+  EXPECT_EQ(verified->created_at, utc(0));
   EXPECT_FALSE(users.verify("ann", "wrong horse"));
   EXPECT_TRUE(users.remove("ann"));
 }

@@ -55,7 +55,9 @@ TEST_F(Users, AreListedByNameWithTheirRole) {
 
 TEST_F(Users, AreAddedOnceAndRemovedOnce) {
   EXPECT_FALSE(table_.add("ann", Role::kViewer, "other password", kNow));
-  EXPECT_EQ(table_.verify("ann", "correct horse"), Role::kProgrammer);
+  const auto verified = table_.verify("ann", "correct horse");
+  ASSERT_TRUE(verified);
+  EXPECT_EQ(verified->role, Role::kProgrammer);
   EXPECT_TRUE(table_.remove("ann"));
   EXPECT_FALSE(table_.remove("ann"));
   EXPECT_FALSE(table_.verify("ann", "correct horse"));
@@ -93,7 +95,9 @@ TEST_F(Users, LogInWithTheirPasswordAndGetTheirRole) {
   Authenticator authenticator(address_, audit_);
   const auto result = ask(authenticator, "ann", "correct horse");
   ASSERT_TRUE(result.has_value());
-  EXPECT_EQ(*result, Role::kProgrammer);
+  EXPECT_EQ(result->name, "ann");
+  EXPECT_EQ(result->role, Role::kProgrammer);
+  EXPECT_EQ(result->created_at, kNow);
   ASSERT_EQ(audit_.entries().size(), 1u);
   EXPECT_EQ(audit_.entries()[0].who, "ann from 10.0.0.1");
   EXPECT_EQ(audit_.entries()[0].what, "login");

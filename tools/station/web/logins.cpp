@@ -83,11 +83,12 @@ void SessionStore::end_expired(Instant now) {
   end_where([now](const Login& login) { return has_expired(login, now); });
 }
 
-void SessionStore::users_are(std::span<const KnownUser> users) {
+void SessionStore::users_are(std::span<const User> users) {
   end_where([users](const Login& login) {
     if (login.by_token) return false;
-    const auto known = std::ranges::find(users, login.user, &KnownUser::name);
-    return known == users.end() || known->role != login.role || known->created_at > login.begun_at;
+    const auto known = std::ranges::find(users, login.user, &User::name);
+    return known == users.end() || known->role != login.role ||
+           known->created_at != login.credential_created_at;
   });
 }
 
@@ -218,9 +219,9 @@ void Site::finish_login(const std::string& old_cookie, const Reply& reply, Login
   const Instant now = clock_.now();
   const UtcTime utc = clock_.utc();
   const Duration left = verdict->by_token ? verdict->left : SessionStore::kWhole;
-  const std::string secret =
-      book_.begin({0, verdict->user, verdict->role, verdict->by_token, utc, now + left, now},
-                  logins_.random(), now);
+  const std::string secret = book_.begin({0, verdict->user, verdict->role, verdict->by_token,
+                                          verdict->credential_created_at, now + left, now},
+                                         logins_.random(), now);
   HttpResponse response =
       json_response({{"user", verdict->user},
                      {"role", to_text(verdict->role)},

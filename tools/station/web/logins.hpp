@@ -23,8 +23,8 @@ struct Login {
   std::string user;      // name of the user or of the token
   Role role = Role::kViewer;
   bool by_token = false;
-  UtcTime begun_at;
-  Instant ends{};  // latest end of the login
+  UtcTime credential_created_at;  // of the password
+  Instant ends{};                 // latest end of the login
   Instant last_used{};
 };
 
@@ -52,14 +52,9 @@ class SessionStore {
   void end(std::string_view cookie);
   void end_expired(Instant now);
 
-  // A user in the store. users_are() ends logins that match no user, also after a new password
-  // (created_at is then later than the login).
-  struct KnownUser {
-    std::string name;
-    Role role;
-    UtcTime created_at;
-  };
-  void users_are(std::span<const KnownUser> users);
+  // Ends logins that match no user of the store. A new password has another created_at, which may
+  // be earlier: the clock can be set back, and the clocks of two hosts differ.
+  void users_are(std::span<const User> users);
   // Ends logins of tokens whose name is not in the list.
   void tokens_are(std::span<const std::string> names);
 
@@ -83,6 +78,7 @@ struct LoginGrant {
   Role role = Role::kViewer;
   Duration left = SessionStore::kWhole;  // time until the login ends; for a token, until it expires
   bool by_token = false;
+  UtcTime credential_created_at{};
 };
 using LoginVerdict = tl::expected<LoginGrant, LoginRefused>;
 

@@ -15,7 +15,7 @@ class Book : public testing::Test {
     Login login;
     login.user = user;
     login.role = role;
-    login.begun_at = {1'000};
+    login.credential_created_at = {1'000};
     return book_.begin(login, next_secret(), now_);
   }
   std::string begin_token(const std::string& name, Duration left) {
@@ -112,15 +112,22 @@ TEST_F(Book, OneTooManyEndsTheOneUnusedForLongest) {
 TEST_F(Book, LoginsEndWithTheirUserRoleOrPassword) {
   const std::string same = begin("same"), gone = begin("gone"), raised = begin("raised"),
                     renewed = begin("renewed"), token = begin_token("gone", 1h);
-  book_.users_are(std::vector<SessionStore::KnownUser>{{"same", Role::kViewer, {500}},
-                                                       {"raised", Role::kOperator, {500}},
-                                                       {"renewed", Role::kViewer, {1'001}}});
+  book_.users_are(std::vector<User>{{"same", Role::kViewer, {1'000}},
+                                    {"raised", Role::kOperator, {1'000}},
+                                    {"renewed", Role::kViewer, {1'001}}});
   EXPECT_EQ(user_of(same), "same");
   EXPECT_EQ(user_of(token), "gone");
   EXPECT_THAT(ended_, UnorderedElementsAre(2, 3, 4));
   book_.tokens_are(std::vector<std::string>{"same"});
   EXPECT_EQ(user_of(token), "-");
   EXPECT_EQ(user_of(same), "same");
+}
+
+// Regression: a session outlived its password if the clock was set back before the new one.
+TEST_F(Book, ANewPasswordEndsLoginsAlsoIfTheClockWasSetBack) {
+  const std::string old = begin("renewed");
+  book_.users_are(std::vector<User>{{"renewed", Role::kViewer, {999}}});
+  EXPECT_EQ(user_of(old), "-");
 }
 
 }  // namespace
