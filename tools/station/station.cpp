@@ -175,8 +175,8 @@ LoginCheck WebStation::State::login_check() {
 UserWatch::Ask WebStation::State::ask_users() {
   if (!database) return {};
   return [this](std::function<void(UserWatch::Users)> done) {
-    tokens->names([this](const std::optional<std::vector<std::string>>& names) {
-      if (names && site) site->book().tokens_are(*names);
+    tokens->list([this](const std::optional<std::vector<Token>>& valid) {
+      if (valid && site) site->book().tokens_are(*valid);
     });
     database->query<std::vector<User>>(
         [](SqlConnection& connection) { return UserTable(connection).list(); },

@@ -4,7 +4,6 @@
 
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/users/authenticator.hpp"
-#include "bridge/store/users/user_table.hpp"
 #include "core/base/json.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
@@ -137,7 +136,8 @@ void Tokens::check(std::string token, const std::string& peer,
           verdict = LoginGrant{.user = name,
                                .role = Role::kViewer,
                                .left = Duration{(*found)->ends_at.nanoseconds - utc().nanoseconds},
-                               .by_token = true};
+                               .by_token = true,
+                               .credential_created_at = (*found)->created_at};
           shared->throttle.succeeded(kWhat, peer);
         } else {
           shared->throttle.failed(kWhat, peer, now());
@@ -148,18 +148,16 @@ void Tokens::check(std::string token, const std::string& peer,
       });
 }
 
-void Tokens::names(std::function<void(std::optional<std::vector<std::string>>)> done) {
-  using Names = std::vector<std::string>;
-  database_.query<Names>(
+void Tokens::list(std::function<void(std::optional<std::vector<Token>>)> done) {
+  using List = std::vector<Token>;
+  database_.query<List>(
       [at = utc_()](SqlConnection& connection) {
-        Names names;
-        for (const Token& each : TokenTable(connection).list()) {
-          if (each.ends_at > at) names.push_back(each.name);
-        }
-        return names;
+        List tokens = TokenTable(connection).list();
+        std::erase_if(tokens, [at](const Token& each) { return each.ends_at <= at; });
+        return tokens;
       },
-      [done = std::move(done)](tl::expected<Names, DatabaseFault> names) {
-        done(names ? std::optional(*std::move(names)) : std::nullopt);
+      [done = std::move(done)](tl::expected<List, DatabaseFault> tokens) {
+        done(tokens ? std::optional(*std::move(tokens)) : std::nullopt);
       });
 }
 

@@ -8,6 +8,7 @@
 
 #include "bridge/log/log_lines.hpp"
 #include "bridge/store/records/records.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/notify/notifier.hpp"
@@ -46,8 +47,8 @@ class Tokens {
   // Calls `done` once on the io thread, immediately or later, even if this object was destroyed.
   void check(std::string token, const std::string& peer, std::function<void(LoginVerdict)> done);
 
-  // Returns the names of all valid tokens; empty if the store cannot be read now.
-  void names(std::function<void(std::optional<std::vector<std::string>>)> done);
+  // Returns all tokens that have not expired; empty if the store cannot be read now.
+  void list(std::function<void(std::optional<std::vector<Token>>)> done);
 
  private:
   struct Shared {

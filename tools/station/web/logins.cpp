@@ -92,9 +92,11 @@ void SessionStore::users_are(std::span<const User> users) {
   });
 }
 
-void SessionStore::tokens_are(std::span<const std::string> names) {
-  end_where([names](const Login& login) {
-    return login.by_token && std::ranges::find(names, login.user) == names.end();
+void SessionStore::tokens_are(std::span<const Token> tokens) {
+  end_where([tokens](const Login& login) {
+    if (!login.by_token) return false;
+    const auto known = std::ranges::find(tokens, login.user, &Token::name);
+    return known == tokens.end() || known->created_at != login.credential_created_at;
   });
 }
 

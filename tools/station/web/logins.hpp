@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "bridge/store/users/authenticator.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "core/access/login.hpp"
 #include "core/base/time.hpp"
 
@@ -23,7 +24,7 @@ struct Login {
   std::string user;      // name of the user or of the token
   Role role = Role::kViewer;
   bool by_token = false;
-  UtcTime credential_created_at;  // of the password
+  UtcTime credential_created_at;  // of the password or the token
   Instant ends{};                 // latest end of the login
   Instant last_used{};
 };
@@ -55,8 +56,8 @@ class SessionStore {
   // Ends logins that match no user of the store. A new password has another created_at, which may
   // be earlier: the clock can be set back, and the clocks of two hosts differ.
   void users_are(std::span<const User> users);
-  // Ends logins of tokens whose name is not in the list.
-  void tokens_are(std::span<const std::string> names);
+  // Ends logins that match no token of the list. A new token may have the name of a removed one.
+  void tokens_are(std::span<const Token> tokens);
 
   [[nodiscard]] std::size_t size() const { return logins_.size(); }
 

@@ -41,6 +41,7 @@ TEST_F(TokensTest, ATokenLetsReadUntilItsEnd) {
   EXPECT_EQ(verdict->role, Role::kViewer);
   EXPECT_EQ(verdict->left, 60s);
   EXPECT_TRUE(verdict->by_token);
+  EXPECT_EQ(verdict->credential_created_at, utc(0));
 }
 
 TEST_F(TokensTest, OneThatHasEndedOrIsNobodysIsRefusedAlike) {
@@ -86,12 +87,12 @@ TEST_F(TokensTest, TheFirstAttemptOfEachWaitIsAudited) {
   }
 }
 
-TEST_F(TokensTest, NamesAreThoseThatHaveNotEnded) {
-  std::optional<std::optional<std::vector<std::string>>> names;
-  tokens_.names([&](auto given) { names = std::move(given); });
-  ASSERT_TRUE(io_.run_until([&] { return names.has_value(); }));
-  ASSERT_TRUE(*names);
-  EXPECT_EQ(**names, std::vector<std::string>{"wall"});
+TEST_F(TokensTest, TheListHasThoseThatHaveNotExpired) {
+  std::optional<std::optional<std::vector<Token>>> valid;
+  tokens_.list([&](auto given) { valid = std::move(given); });
+  ASSERT_TRUE(io_.run_until([&] { return valid.has_value(); }));
+  ASSERT_TRUE(*valid);
+  EXPECT_EQ(**valid, (std::vector<Token>{{"wall", utc(0), utc(kNow + 60)}}));
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ class Book : public testing::Test {
     Login login;
     login.user = name;
     login.by_token = true;
+    login.credential_created_at = {1'000};
     login.ends = now_ + left;
     return book_.begin(login, next_secret(), now_);
   }
@@ -118,7 +119,7 @@ TEST_F(Book, LoginsEndWithTheirUserRoleOrPassword) {
   EXPECT_EQ(user_of(same), "same");
   EXPECT_EQ(user_of(token), "gone");
   EXPECT_THAT(ended_, UnorderedElementsAre(2, 3, 4));
-  book_.tokens_are(std::vector<std::string>{"same"});
+  book_.tokens_are(std::vector<Token>{{"same", {1'000}, {2'000}}});
   EXPECT_EQ(user_of(token), "-");
   EXPECT_EQ(user_of(same), "same");
 }
@@ -128,6 +129,14 @@ TEST_F(Book, ANewPasswordEndsLoginsAlsoIfTheClockWasSetBack) {
   const std::string old = begin("renewed");
   book_.users_are(std::vector<User>{{"renewed", Role::kViewer, {999}}});
   EXPECT_EQ(user_of(old), "-");
+}
+
+// Regression: sessions of a leaked token went on if the new token had its name.
+TEST_F(Book, LoginsEndWithTheirTokenAlsoIfANewOneHasItsName) {
+  const std::string same = begin_token("same", 1h), rotated = begin_token("rotated", 1h);
+  book_.tokens_are(std::vector<Token>{{"same", {1'000}, {2'000}}, {"rotated", {1'001}, {2'000}}});
+  EXPECT_EQ(user_of(same), "same");
+  EXPECT_EQ(user_of(rotated), "-");
 }
 
 }  // namespace

@@ -31,13 +31,13 @@ class SiteTest : public testing::Test {
       attempts_.push_back(attempt.user + "/" + std::string(attempt.password.text()) + " from " +
                           attempt.peer);
       if (refused_) return done(tl::make_unexpected(*refused_));
-      done(LoginGrant{attempt.user, role_});
+      done(LoginGrant{.user = attempt.user, .role = role_, .credential_created_at = {7}});
     };
     check.by_token = [](const std::string& token, const std::string&,
                         const std::function<void(LoginVerdict)>& done) {
       if (token != "good")
         return done(tl::make_unexpected(LoginRefused{LoginRefused::Why::kWrong}));
-      done(LoginGrant{"wall", Role::kViewer, 240h, true});
+      done(LoginGrant{"wall", Role::kViewer, 240h, true, {7}});
     };
     check.random = [this] {
       SessionStore::Secret secret{};
@@ -176,6 +176,16 @@ TEST_F(SiteTest, ATokenIsAViewerUntilItsEnd) {
   EXPECT_EQ(status(get("/api/alarms")), 200u);
   now_ += 1h;
   EXPECT_EQ(status(get("/api/alarms")), 401u);
+}
+
+TEST_F(SiteTest, ALoginGoesOnWhileTheStoreHasItsPasswordOrToken) {
+  log_in();
+  site_->book().users_are(std::vector<User>{{"anna", role_, {7}}});
+  EXPECT_EQ(status(get("/api/alarms")), 200u);
+  log_in(R"({"token":"good"})");
+  site_->book().tokens_are(std::vector<Token>{{"wall", {7}, {8}}});
+  EXPECT_EQ(status(get("/api/alarms")), 200u);
+  EXPECT_THAT(ended_, ElementsAre(1)) << "by the second login";
 }
 
 TEST_F(SiteTest, ARefusedLoginSaysWhyAndWhen) {
