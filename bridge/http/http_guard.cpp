@@ -1,35 +1,11 @@
 #include "bridge/http/http_guard.hpp"
 
-#include <arpa/inet.h>
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "bridge/base/check.hpp"
 
 namespace fieldcast::web {
-
-namespace {
-
-constexpr std::array<unsigned char, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
-
-}  // namespace
-
-std::string address_group(std::string_view address) {
-  std::string text(address);
-  if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
-  text = text.substr(0, text.find('%'));
-  std::array<unsigned char, 16> bytes;
-  if (::inet_pton(AF_INET6, text.c_str(), bytes.data()) != 1) return text;
-  if (std::equal(kMapped.begin(), kMapped.end(), bytes.begin()))
-    return fmt::format("{}.{}.{}.{}", bytes[12], bytes[13], bytes[14], bytes[15]);
-  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-  std::array<char, INET6_ADDRSTRLEN> prefix{};
-  ::inet_ntop(AF_INET6, bytes.data(), prefix.data(), prefix.size());
-  return std::string(prefix.data()) + "/64";
-}
 
 template <typename Rule>
 std::size_t ConnectionTable::count(Rule rule) const {

@@ -23,15 +23,12 @@ struct ConnectionLimits {
   bool evicts_working = false;  // if none waits at the address
 };
 
-// Removes the port. IPv6 becomes its /64, as a host can use all of it; IPv4-mapped becomes IPv4.
-[[nodiscard]] std::string address_group(std::string_view address);
-
 class ConnectionTable {
  public:
   using Id = std::uint64_t;  // given by the caller, never reused
   enum class Phase : std::uint8_t { kWaiting, kWorking };
   struct Peer {
-    std::string group;  // result of address_group()
+    std::string group;  // result of access::address_group()
     bool logged_in = false;
   };
   struct Admission {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bridge/base/clock.hpp"
+#include "core/access/network.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -57,7 +58,7 @@ void HttpServer::accept(tcp::socket socket) {
 
 void HttpServer::shake_hands(tcp::socket socket, std::string peer) {
   const std::uint64_t id = ++last_id_;
-  const auto admission = handshake_table_.open(id, {address_group(peer)},
+  const auto admission = handshake_table_.open(id, {access::address_group(peer)},
                                                ConnectionTable::Phase::kWaiting, steady_now());
   if (admission.evicted) {
     ++turned_away_;
@@ -82,8 +83,8 @@ void HttpServer::accept(std::unique_ptr<ByteStream> stream, std::string peer) {
     ++turned_away_;
     return stream->close();
   }
-  if (!admit(session_table_.open(id, {address_group(peer)}, ConnectionTable::Phase::kWaiting,
-                                 steady_now())))
+  if (!admit(session_table_.open(id, {access::address_group(peer)},
+                                 ConnectionTable::Phase::kWaiting, steady_now())))
     return stream->close();
   const auto session =
       std::make_shared<HttpSession>(shared_, id, std::move(stream), std::move(peer));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/access/network.hpp"
+
 namespace fieldcast {
 
 std::string_view to_text(Role role) {
@@ -23,20 +25,22 @@ std::optional<Role> role_from(std::string_view text) {
 
 namespace {
 
+std::string key_of(std::string_view peer) { return access::address_group(peer); }
+
 // Names of users and addresses of peers contain no line feed, so keys are unambiguous.
 std::string key_of(std::string_view user, std::string_view peer) {
-  return std::string(peer) + '\n' + std::string(user);
+  return key_of(peer) + '\n' + std::string(user);
 }
 
 }  // namespace
 
 Duration LoginThrottle::wait(std::string_view user, std::string_view peer, Instant now) const {
-  return std::max(wait_of(key_of(user, peer), now), wait_of(std::string(peer), now));
+  return std::max(wait_of(key_of(user, peer), now), wait_of(key_of(peer), now));
 }
 
 void LoginThrottle::failed(std::string_view user, std::string_view peer, Instant now) {
   note(key_of(user, peer), kFreeOfUser, now);
-  note(std::string(peer), kFreeOfPeer, now);
+  note(key_of(peer), kFreeOfPeer, now);
 }
 
 void LoginThrottle::succeeded(std::string_view user, std::string_view peer) {

@@ -29,7 +29,7 @@ inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgra
 // Limits password guessing: each wrong password after the first few delays the next attempt, from 1
 // s up to 5 min. An early attempt is rejected without a password check. Pure; one owner. Failures
 // count per user and peer, so that an attacker elsewhere cannot lock out the user, and per peer
-// with a higher limit.
+// with a higher limit. All addresses of an IPv6 /64 are one peer, as one host can use all of them.
 class LoginThrottle {
  public:
   static constexpr unsigned kFreeOfUser = 3;  // wrong passwords before the first delay

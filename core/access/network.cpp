@@ -10,6 +10,7 @@ namespace {
 using Address = std::array<std::uint8_t, 16>;
 constexpr unsigned kBits = 128, kBitsBeforeIpv4 = 96;
 constexpr std::size_t kGroups = 8;
+constexpr Address kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};  // ::ffff:0:0/96
 
 std::optional<unsigned> number_from(std::string_view text, int base, unsigned most) {
   unsigned number = 0;
@@ -76,11 +77,14 @@ std::optional<Address> ipv6_from(std::string_view text) {
   return front;
 }
 
+std::string_view without_brackets(std::string_view text) {
+  return text.starts_with('[') && text.ends_with(']') ? text.substr(1, text.size() - 2) : text;
+}
+
 std::optional<Address> address_from(std::string_view text) {
-  if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
+  text = without_brackets(text);
   if (const auto ipv4 = ipv4_from(text)) {
-    Address address{};
-    address[10] = address[11] = 0xFF;
+    Address address = kMapped;
     std::ranges::copy(*ipv4, address.begin() + 12);
     return address;
   }
@@ -118,6 +122,30 @@ std::optional<Network> Network::parse(std::string_view text) {
 bool Network::contains(std::string_view address) const {
   const auto parsed = address_from(address);
   return parsed && agree(*parsed, address_, prefix_);
+}
+
+std::string address_group(std::string_view address) {
+  const auto parsed = address_from(address);
+  address = without_brackets(address);
+  if (!parsed) return std::string(address.substr(0, address.find('%')));
+  std::string group;
+  const auto append = [&group](unsigned number, int base) {
+    std::array<char, 4> digits{};
+    group.append(digits.data(),
+                 std::to_chars(digits.data(), digits.data() + digits.size(), number, base).ptr);
+  };
+  if (agree(*parsed, kMapped, kBitsBeforeIpv4)) {
+    for (std::size_t i = 12; i < parsed->size(); ++i) {
+      if (i > 12) group += '.';
+      append((*parsed)[i], 10);
+    }
+    return group;
+  }
+  for (std::size_t i = 0; i < 8; i += 2) {
+    append(256U * (*parsed)[i] + (*parsed)[i + 1], 16);
+    group += ':';
+  }
+  return group + ":/64";
 }
 
 }  // namespace fieldcast::access

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace fieldcast::access {
@@ -20,5 +21,9 @@ class Network {
   std::array<std::uint8_t, 16> address_{};  // IPv4 as ::ffff:a.b.c.d
   unsigned prefix_ = 0;                     // bits, 0..128
 };
+
+// Key for limits per address. IPv6 becomes its /64, as a host can use all of it; IPv4-mapped
+// becomes IPv4. Accepts brackets and a zone, and returns another text without them.
+[[nodiscard]] std::string address_group(std::string_view address);
 
 }  // namespace fieldcast::access

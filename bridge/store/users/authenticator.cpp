@@ -11,6 +11,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/sql/sql.hpp"
+#include "core/access/network.hpp"
 
 namespace fieldcast {
 
@@ -93,14 +94,14 @@ void Authenticator::count(const LoginAttempt& attempt, const LoginResult& result
   if (result) throttle_.succeeded(attempt.user, attempt.peer);
   if (!result && result.error().why == LoginRefused::Why::kWrong)
     throttle_.failed(attempt.user, attempt.peer, steady_now());
-  (void)unchecked_.recovered(attempt.peer);
+  (void)unchecked_.recovered(access::address_group(attempt.peer));
 }
 
 void Authenticator::refuse(Waiting waiting, LoginRefused::Why why, Duration wait) {
   bool is_first = false;
   {
     const std::lock_guard lock(mutex_);
-    is_first = unchecked_.occurred(waiting.attempt.peer, steady_now()).log;
+    is_first = unchecked_.occurred(access::address_group(waiting.attempt.peer), steady_now()).log;
   }
   const LoginResult result = refused(why, wait);
   is_first ? finish(std::move(waiting), result) : waiting.done(result);

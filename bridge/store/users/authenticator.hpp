@@ -90,7 +90,7 @@ class Authenticator final : public Logins {
   std::unique_ptr<SqlConnection> connection_;  // used by the thread; null: not open
   std::mutex mutex_;                           // guards the two below
   LoginThrottle throttle_;
-  RepeatFilter unchecked_;  // by peer
+  RepeatFilter unchecked_;  // by address_group() of the peer
   Worker<Waiting> worker_;  // last: it uses the members above
 };
 

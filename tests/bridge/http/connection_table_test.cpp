@@ -140,18 +140,6 @@ TEST_F(ConnectionTableTest, OneHundredAndFiftySlowOnesLeaveTheStationOpen) {
   }
 }
 
-TEST(AddressGroup, Ipv6CountsByItsSlash64AndAMappedAddressAsIpv4) {
-  EXPECT_EQ(address_group("10.0.0.7"), "10.0.0.7");
-  EXPECT_EQ(address_group("[2001:db8:1:2:3:4:5:6]"), "2001:db8:1:2::/64");
-  EXPECT_EQ(address_group("2001:db8:1:2::9"), "2001:db8:1:2::/64");
-  EXPECT_EQ(address_group("2001:db8:1:3::9"), "2001:db8:1:3::/64");
-  EXPECT_EQ(address_group("[fe80::1%eth0]"), "fe80::/64");
-  EXPECT_EQ(address_group("[::1]"), "::/64");
-  EXPECT_EQ(address_group("[::ffff:10.0.0.7]"), "10.0.0.7");
-  EXPECT_EQ(address_group("?"), "?");
-  EXPECT_EQ(address_group(""), "");
-}
-
 TEST(ConnectionTableThatEvictsWork, AWorkingOneLeavesIfNoneWaits) {
   ConnectionTable table(
       {.total = 3, .of_one = 3, .working_of_one = 3, .reserved = 0, .evicts_working = true});

@@ -23,10 +23,10 @@ class Users : public testing::Test {
   Users() { (void)table_.add("ann", Role::kProgrammer, "correct horse", kNow); }
 
   LoginResult ask(Authenticator& authenticator, const std::string& user,
-                  const std::string& password) {
+                  const std::string& password, const std::string& peer = "10.0.0.1") {
     std::promise<LoginResult> answered;
     auto answer = answered.get_future();
-    authenticator.authenticate({user, Secret(password), "10.0.0.1"},
+    authenticator.authenticate({user, Secret(password), peer},
                                [&](LoginResult result) { answered.set_value(result); });
     if (answer.wait_for(std::chrono::seconds{30}) != std::future_status::ready) {
       ADD_FAILURE() << "no response in 30 s";
@@ -135,6 +135,20 @@ TEST_F(Users, OfAttemptsWithoutACheckTheFirstIsAudited) {
     EXPECT_EQ(audit_.entries().size() - before, LoginThrottle::kFreeOfUser + 1) << user;
     EXPECT_THAT(audit_.entries().back().result, HasSubstr("try again in 1s"));
   }
+}
+
+// Regression: a host that changed its IPv6 address was neither slowed down nor summarized.
+TEST_F(Users, GuessesFromTheAddressesOfASlash64AreThoseOfOneHost) {
+  Authenticator authenticator(address_, audit_);
+  const auto guess = [&](unsigned host) {
+    return ask(authenticator, "ann", "wrong", "[2001:db8::" + std::to_string(host) + "]");
+  };
+  for (unsigned i = 0; i < LoginThrottle::kFreeOfUser; ++i)
+    EXPECT_EQ(guess(i).error().why, LoginRefused::Why::kWrong);
+  for (unsigned i = 10; i < 15; ++i) EXPECT_EQ(guess(i).error().why, LoginRefused::Why::kTooSoon);
+  const auto entries = audit_.entries();
+  ASSERT_EQ(entries.size(), LoginThrottle::kFreeOfUser + 1);
+  EXPECT_EQ(entries.back().who, "ann from [2001:db8::10]") << "the audit has the whole address";
 }
 
 TEST_F(Users, GuessesThatAreSentTogetherAreSlowedDownToo) {

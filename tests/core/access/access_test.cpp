@@ -88,6 +88,19 @@ TEST(Network, WhatIsNotANetworkIsRefused) {
     EXPECT_FALSE(Network::parse(text)) << text;
 }
 
+TEST(AddressGroup, Ipv6CountsByItsSlash64AndAMappedAddressAsIpv4) {
+  EXPECT_EQ(address_group("10.0.0.7"), "10.0.0.7");
+  EXPECT_EQ(address_group("[2001:db8:1:2:3:4:5:6]"), "2001:db8:1:2::/64");
+  EXPECT_EQ(address_group("2001:db8:1:2::9"), "2001:db8:1:2::/64");
+  EXPECT_EQ(address_group("2001:db8:1:3::9"), "2001:db8:1:3::/64");
+  EXPECT_EQ(address_group("[fe80::1%eth0]"), "fe80:0:0:0::/64");
+  EXPECT_EQ(address_group("[::1]"), "0:0:0:0::/64");
+  EXPECT_EQ(address_group("[::ffff:10.0.0.7]"), "10.0.0.7");
+  EXPECT_EQ(address_group("?"), "?");
+  EXPECT_EQ(address_group("[?%eth0]"), "?");
+  EXPECT_EQ(address_group(""), "");
+}
+
 }  // namespace
 }  // namespace fieldcast::access
 
@@ -134,6 +147,19 @@ TEST(LoginThrottle, SlowsAPeerDownThatTriesManyUsers) {
     fail(throttle, 1, "user" + std::to_string(i));
   EXPECT_EQ(throttle.wait("another", "10.0.0.1", kStart), seconds{1});
   EXPECT_EQ(throttle.wait("another", "10.0.0.2", kStart), Duration{});
+}
+
+// Regression: each address of an IPv6 network had its own free attempts.
+TEST(LoginThrottle, CountsTheAddressesOfASlash64AsOnePeer) {
+  LoginThrottle throttle;
+  const auto address = [](unsigned host) { return "2001:db8:1:2::" + std::to_string(host); };
+  for (unsigned i = 0; i < LoginThrottle::kFreeOfUser; ++i) fail(throttle, 1, "ann", address(i));
+  EXPECT_EQ(throttle.wait("ann", address(99), kStart), seconds{1});
+  EXPECT_EQ(throttle.wait("ann", "2001:db8:1:3::1", kStart), Duration{});
+  EXPECT_EQ(throttle.wait("bob", address(99), kStart), Duration{});
+  for (unsigned i = LoginThrottle::kFreeOfUser; i < LoginThrottle::kFreeOfPeer; ++i)
+    fail(throttle, 1, "user" + std::to_string(i), address(i));
+  EXPECT_EQ(throttle.wait("bob", address(99), kStart), seconds{1});
 }
 
 TEST(LoginThrottle, ForgivesTheUserWhoSucceedsButNotThePeer) {

@@ -4,6 +4,7 @@
 
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/users/authenticator.hpp"
+#include "core/access/network.hpp"
 #include "core/base/json.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
@@ -105,15 +106,16 @@ void note(Audit& audit, const std::string& name, const std::string& peer,
 void Tokens::check(std::string token, const std::string& peer,
                    std::function<void(LoginVerdict)> done) {
   const Duration wait = shared_->throttle.wait(kWhat, peer, now_());
+  const std::string group = access::address_group(peer);
   if (wait > Duration{} || !looks_like_token(token)) {
     wipe(token);
     const auto verdict = wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait)
                                            : refused(LoginRefused::Why::kWrong);
     if (wait <= Duration{}) {
       shared_->throttle.failed(kWhat, peer, now_());
-      (void)shared_->throttled.recovered(peer);
+      (void)shared_->throttled.recovered(group);
     }
-    if (wait <= Duration{} || shared_->throttled.occurred(peer, now_()).log)
+    if (wait <= Duration{} || shared_->throttled.occurred(group, now_()).log)
       note(audit_, {}, peer, verdict);
     return done(verdict);
   }
@@ -125,7 +127,7 @@ void Tokens::check(std::string token, const std::string& peer,
         wipe(*secret);
         return found;
       },
-      [&audit = audit_, shared = shared_, now = now_, utc = utc_, peer,
+      [&audit = audit_, shared = shared_, now = now_, utc = utc_, peer, group,
        done = std::move(done)](const tl::expected<Found, DatabaseFault>& found) {
         LoginVerdict verdict = refused(LoginRefused::Why::kWrong);
         std::string name;
@@ -142,7 +144,7 @@ void Tokens::check(std::string token, const std::string& peer,
         } else {
           shared->throttle.failed(kWhat, peer, now());
         }
-        (void)shared->throttled.recovered(peer);
+        (void)shared->throttled.recovered(group);
         note(audit, name, peer, verdict);
         done(verdict);
       });

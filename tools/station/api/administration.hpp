@@ -53,7 +53,7 @@ class Tokens {
  private:
   struct Shared {
     LoginThrottle throttle;
-    RepeatFilter throttled;  // by peer
+    RepeatFilter throttled;  // by address_group() of the peer
   };
   Database& database_;
   Audit& audit_;

@@ -10,6 +10,7 @@
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
+#include "core/access/network.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -74,7 +75,7 @@ std::optional<HttpResponse> StationServer::refuse_live(const Site::Upgrade& who)
   const bool too_many_of_one =
       who.login != 0 && static_cast<std::size_t>(of_one) >= limits_.live_of_one;
   const bool fits = live_table_
-                        .admission({address_group(who.caller.peer), who.login != 0},
+                        .admission({access::address_group(who.caller.peer), who.login != 0},
                                    ConnectionTable::Phase::kWorking)
                         .admitted;
   if (fits && !too_many_of_one) return std::nullopt;
@@ -89,7 +90,7 @@ std::optional<HttpResponse> StationServer::refuse_live(const Site::Upgrade& who)
 void StationServer::open_live(LiveRequest request) {
   const std::uint64_t id = ++last_live_;
   const auto admission =
-      live_table_.open(id, {address_group(request.who.caller.peer), request.who.login != 0},
+      live_table_.open(id, {access::address_group(request.who.caller.peer), request.who.login != 0},
                        ConnectionTable::Phase::kWorking, steady_now());
   FIELDCAST_CHECK(admission.admitted && !admission.evicted);
   const auto socket =

@@ -58,6 +58,19 @@ TEST_F(TokensTest, WhoSendsWrongOnesHasToWait) {
   EXPECT_TRUE(check(secret_));
 }
 
+// Regression: a host that changed its IPv6 address had no wait.
+TEST_F(TokensTest, TheAddressesOfASlash64AreOneSender) {
+  for (unsigned i = 0; i < LoginThrottle::kFreeOfUser; ++i)
+    (void)check(make_token(), "[2001:db8::" + std::to_string(i) + "]");
+  for (const char* peer : {"[2001:db8::10]", "[2001:db8::11]"}) {
+    const LoginVerdict verdict = check(secret_, peer);
+    ASSERT_FALSE(verdict);
+    EXPECT_EQ(verdict.error().why, LoginRefused::Why::kTooSoon);
+  }
+  EXPECT_EQ(audit_.entries().size(), LoginThrottle::kFreeOfUser + 1);
+  EXPECT_TRUE(check(secret_, "[2001:db8:0:1::1]"));
+}
+
 TEST_F(TokensTest, EveryAttemptIsAuditedWithoutTheToken) {
   (void)check(secret_);
   (void)check(ended_);
