@@ -38,6 +38,17 @@ class BoundedQueue {
     return true;
   }
 
+  // As try_put(), but the item is taken before all present ones.
+  [[nodiscard]] bool try_put_first(Item& item) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (closed_ || items_.size() >= limit_) return false;
+      items_.push_front(std::move(item));
+    }
+    arrived_.notify_one();
+    return true;
+  }
+
   void put(Item item) {
     {
       std::unique_lock lock(mutex_);

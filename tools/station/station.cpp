@@ -178,7 +178,7 @@ UserWatch::Ask WebStation::State::ask_users() {
     tokens->list([this](const std::optional<std::vector<Token>>& valid) {
       if (valid && site) site->book().tokens_are(*valid);
     });
-    database->query<std::vector<User>>(
+    database->query_urgent<std::vector<User>>(
         [](SqlConnection& connection) { return UserTable(connection).list(); },
         [done = std::move(done)](tl::expected<std::vector<User>, DatabaseFault> found) {
           done(found ? UserWatch::Users(*std::move(found)) : std::nullopt);

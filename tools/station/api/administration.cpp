@@ -152,7 +152,7 @@ void Tokens::check(std::string token, const std::string& peer,
 
 void Tokens::list(std::function<void(std::optional<std::vector<Token>>)> done) {
   using List = std::vector<Token>;
-  database_.query<List>(
+  database_.query_urgent<List>(
       [at = utc_()](SqlConnection& connection) {
         List tokens = TokenTable(connection).list();
         std::erase_if(tokens, [at](const Token& each) { return each.ends_at <= at; });

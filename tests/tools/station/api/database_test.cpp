@@ -63,6 +63,32 @@ TEST_F(DatabaseTest, OneQuestionTooManyIsRefused) {
   EXPECT_EQ(response_of(DatabaseFault::kBusy).status, 503u);
 }
 
+// Regression: the station could not read its users while clients sent many requests.
+TEST_F(DatabaseTest, AnUrgentQueryRunsBeforeAllThatWait) {
+  store([](Store&) {});
+  std::promise<void> begun, end;
+  std::vector<int> order;
+  const auto done = [&](int number) {
+    return [&order, number](const Result& given) { order.push_back(given ? number : -number); };
+  };
+  database()->query<std::int64_t>(
+      [&](SqlConnection& connection) {
+        begun.set_value();
+        end.get_future().wait();
+        return count(connection);
+      },
+      done(1));
+  begun.get_future().wait();
+  for (std::size_t i = 1; i < Database::kMaxWaiting; ++i)
+    database()->query<std::int64_t>(count, done(2));
+  database()->query_urgent<std::int64_t>(count, done(3));
+  end.set_value();
+  ASSERT_TRUE(io_.run_until([&] { return order.size() == Database::kMaxWaiting + 1; }));
+  EXPECT_EQ(order[0], 1);
+  EXPECT_EQ(order[1], 3);
+  EXPECT_EQ(database()->counters().busy, 0u);
+}
+
 TEST_F(DatabaseTest, AStoreThatIsNotThereYetIsOpenedWhenItIs) {
   std::optional<Result> result;
   const auto ask = [&] {

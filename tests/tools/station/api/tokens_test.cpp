@@ -1,3 +1,5 @@
+#include <future>
+
 #include "bridge/store/users/user_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/administration.hpp"
@@ -106,6 +108,21 @@ TEST_F(TokensTest, TheListHasThoseThatHaveNotExpired) {
   ASSERT_TRUE(io_.run_until([&] { return valid.has_value(); }));
   ASSERT_TRUE(*valid);
   EXPECT_EQ(**valid, (std::vector<Token>{{"wall", utc(0), utc(kNow + 60)}}));
+}
+
+TEST_F(TokensTest, TheListIsReadAlsoIfTheDatabaseIsBusy) {
+  std::promise<void> end;
+  std::size_t responses = 0;
+  const auto done = [&](const tl::expected<int, DatabaseFault>&) { ++responses; };
+  const std::shared_future<void> ended = end.get_future().share();
+  for (std::size_t i = 0; i <= Database::kMaxWaiting; ++i)
+    database()->query<int>([ended](SqlConnection&) { return ended.wait(), 0; }, done);
+  std::optional<std::optional<std::vector<Token>>> valid;
+  tokens_.list([&](auto given) { valid = std::move(given); });
+  end.set_value();
+  ASSERT_TRUE(io_.run_until([&] { return valid && responses > Database::kMaxWaiting; }));
+  EXPECT_TRUE(*valid);
+  EXPECT_EQ(database()->counters().busy, 1u);
 }
 
 }  // namespace

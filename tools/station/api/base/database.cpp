@@ -33,7 +33,7 @@ Database::~Database() { worker_.close(); }
 
 void Database::put(Task task) {
   ++waiting_;
-  if (worker_.queue().try_put(task)) return;
+  if (task.urgent ? worker_.queue().try_put_first(task) : worker_.queue().try_put(task)) return;
   --waiting_;
   refuse(task);
 }

@@ -49,6 +49,14 @@ class Database {
   void query_further(std::function<Result(SqlConnection&)> read, Done<Result> done) {
     put(task_of(std::move(read), std::move(done), false));
   }
+  // Runs before all waiting queries and never fails with kBusy. For the rare queries of the station
+  // itself, so that clients cannot delay them by more than kLongest.
+  template <class Result>
+  void query_urgent(std::function<Result(SqlConnection&)> read, Done<Result> done) {
+    Task task = task_of(std::move(read), std::move(done), false);
+    task.urgent = true;
+    put(std::move(task));
+  }
   using Responder = std::function<HttpResponse(SqlConnection&)>;
   void respond(Responder read, Reply reply);
   // As respond(), over the connection that may change the store.
@@ -66,6 +74,7 @@ class Database {
     std::function<void(SqlConnection&)> run;  // may throw StoreError, before it posts a result
     std::function<void(DatabaseFault)> refuse;
     bool changes = false;
+    bool urgent = false;
   };
   template <class Result>
   Task task_of(std::function<Result(SqlConnection&)> read, Done<Result> done, bool changes) {
