@@ -53,7 +53,9 @@ ConnectionTable::Admission ConnectionTable::admission(const Peer& peer, Phase ph
   Admission room = place_at_address(peer, std::nullopt);
   if (!room.admitted || room.evicted || rows_.size() < limits_.total) return room;
   room.evicted = oldest(Phase::kWaiting, [](Id, const Row& row) { return !row.peer.logged_in; });
-  if (!room.evicted) room.evicted = oldest(Phase::kWaiting, [](Id, const Row&) { return true; });
+  const auto every = [](Id, const Row&) { return true; };
+  if (!room.evicted) room.evicted = oldest(Phase::kWaiting, every);
+  if (!room.evicted && limits_.evicts_working) room.evicted = oldest(Phase::kWorking, every);
   room.admitted = room.evicted.has_value();
   return room;
 }

@@ -20,7 +20,7 @@ struct ConnectionLimits {
   // of one address without a login; lower than of_one: a new one always fits
   std::size_t working_of_one = 96;
   std::size_t reserved = 64;    // part of `total` in which only connections with a login work
-  bool evicts_working = false;  // if none waits at the address
+  bool evicts_working = false;  // if none waits
 };
 
 class ConnectionTable {
@@ -39,8 +39,8 @@ class ConnectionTable {
   explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
 
   // Beyond a limit, evicts the connection that has waited longest: of the same address for its
-  // limit, one without a login first for the total. Admits nothing if none waits, or if only the
-  // reserve is left for work.
+  // limit, one without a login first for the total. Admits nothing if none may be evicted, or if
+  // only the reserve is left for work.
   [[nodiscard]] Admission open(Id id, Peer peer, Phase phase, Instant now);
   // Returns the same decision without a change.
   [[nodiscard]] Admission admission(const Peer& peer, Phase phase) const;

@@ -154,5 +154,23 @@ TEST(ConnectionTableThatEvictsWork, AWorkingOneLeavesIfNoneWaits) {
   EXPECT_EQ(table.size(), 3u);
 }
 
+// Regression: two addresses that did not read could keep all others out.
+TEST(ConnectionTableThatEvictsWork, AWorkingOneOfAnAddressLeavesForANewAddress) {
+  ConnectionTable table(
+      {.total = 4, .of_one = 4, .working_of_one = 4, .reserved = 0, .evicts_working = true});
+  const auto open = [&](ConnectionTable::Id id, const char* group) {
+    return table.open(id, {group}, Phase::kWaiting, Instant{std::chrono::seconds{id}});
+  };
+  for (const ConnectionTable::Id id : {1u, 2u, 3u, 4u}) {
+    EXPECT_FALSE(open(id, id < 3 ? "a" : "b").evicted);
+    EXPECT_TRUE(table.work(id, false).admitted);
+  }
+  const auto scraper = open(5, "c");
+  EXPECT_TRUE(scraper.admitted);
+  EXPECT_THAT(scraper.evicted, Optional(1u));
+  EXPECT_TRUE(table.work(5, false).admitted);
+  EXPECT_EQ(table.size(), 4u);
+}
+
 }  // namespace
 }  // namespace fieldcast::web
