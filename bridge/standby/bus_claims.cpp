@@ -36,6 +36,7 @@ void BusClaims::want(const std::vector<std::string>& buses, UtcTime now) {
   std::erase_if(own_, [&](const auto& claim) {
     return std::find(buses.begin(), buses.end(), claim.first) == buses.end();
   });
+  std::erase_if(unserved_, [&](const auto& entry) { return !own_.contains(entry.first); });
   for (const std::string& bus : buses) own_.try_emplace(bus, BusClaim{now, false});
 }
 

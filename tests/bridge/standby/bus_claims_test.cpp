@@ -149,6 +149,18 @@ TEST(BusClaims, TheTimeInWhichNobodyServesBeginsAgainWithEachThatServed) {
   EXPECT_TRUE(own.decide(Instant{} + 4 * BusClaims::kMostUnserved));
 }
 
+TEST(BusClaims, TheTimeInWhichNobodyServesBeginsAgainForABusThatWasRemoved) {
+  BusClaims own("m");
+  own.receive("a", {"other", "host", "", UtcTime{1}, {{"bus", {UtcTime{1}, false}}}});
+  own.want({"bus"}, UtcTime{10});
+  EXPECT_FALSE(own.decide(Instant{}));
+  own.want({}, UtcTime{11});
+  own.want({"bus"}, UtcTime{12});
+  const Instant later = Instant{} + 10 * BusClaims::kMostUnserved;
+  EXPECT_FALSE(own.decide(later)) << "the other bridge has wanted it longer";
+  EXPECT_TRUE(own.decide(later + BusClaims::kMostUnserved));
+}
+
 TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherHasLeftAndOneOfSeveral) {
   Domain domain;
   domain.add("first", 1);
