@@ -97,6 +97,10 @@ bool StandbyFollower::wait_for(const std::vector<StandbyBusFigures>& blocks, Dur
 std::map<std::string, FollowedBus> StandbyFollower::take(const UtcMapping& now) const {
   const std::lock_guard lock(mutex_);
   std::map<std::string, FollowedBus> all;
+  // The clock of the master may be ahead. The next readings must have later times than the samples.
+  const auto acquired = [&](UtcTime at) {
+    return at.nanoseconds == 0 ? kLongAgo : std::min(now.to_instant(at), now.instant);
+  };
   for (const auto& [name, bus] : buses_) {
     FollowedBus& followed = all[name];
     followed.epoch = bus.epoch;
@@ -104,10 +108,8 @@ std::map<std::string, FollowedBus> StandbyFollower::take(const UtcMapping& now) 
     followed.state.devices = bus.devices;
     ChannelIndex channel = 0;
     for (const StationSample& sample : bus.samples) {
-      followed.state.samples.push_back(
-          {channel++, sample.value, sample.quality, sample.device_code,
-           sample.acquired_at.nanoseconds == 0 ? kLongAgo : now.to_instant(sample.acquired_at),
-           sample.sequence});
+      followed.state.samples.push_back({channel++, sample.value, sample.quality, sample.device_code,
+                                        acquired(sample.acquired_at), sample.sequence});
     }
   }
   return all;
