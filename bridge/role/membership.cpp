@@ -120,6 +120,12 @@ void Membership::end_follower() {
   }
 }
 
+std::optional<std::string> Membership::hand_over() {
+  auto refused = group_->hand_over({});
+  const bool gives_way = group_->role() != StandbyRole::kMaster;
+  return gives_way ? std::nullopt : std::move(refused);
+}
+
 bool Membership::hand_over_before_stop() {
   if (const auto refused = hand_over()) {
     log_info(name_, fmt::format("no other bridge takes over: {}", *refused));
@@ -143,9 +149,10 @@ void Membership::finish_pause() {
 Membership::Next Membership::follow_role(bool leaving) {
   const StandbyRole role = group_->role();
   CommandService& commands = uses_.commands;
-  if (role == StandbyRole::kMaster && !serves_ && !commands.is_handing_over()) {
+  const bool handing_over = commands.is_handing_over();
+  if (role == StandbyRole::kMaster && !serves_ && !handing_over) {
     promote();
-  } else if (role == StandbyRole::kHandingOver && serves_) {
+  } else if (role == StandbyRole::kHandingOver && !handing_over) {
     release();
   } else if (role == StandbyRole::kWaiting && serves_) {
     log_warning(name_,
@@ -154,7 +161,7 @@ Membership::Next Membership::follow_role(bool leaving) {
     if (!leaving) return Next::kRestart;
     uses_.buses.stop_runners();
     serves_.reset();
-  } else if (commands.is_handing_over() && role != StandbyRole::kReleased && !leaving) {
+  } else if (handing_over && role != StandbyRole::kReleased && !leaving) {
     const Instant now = steady_now();
     pause_.begin(now);
     return pause_.left(now) > Duration::zero() ? Next::kSoon : Next::kRestart;

@@ -68,8 +68,9 @@ class Membership {
   [[nodiscard]] Next follow_role(bool leaving);
   [[nodiscard]] bool is_serving() const { return serves_.has_value(); }
 
-  // Requests that any ready member becomes master; returns why not.
-  [[nodiscard]] std::optional<std::string> hand_over() { return group_->hand_over({}); }
+  // Requests that any ready member becomes master; returns why not. Succeeds if this bridge is not
+  // master any more, or is handing over already.
+  [[nodiscard]] std::optional<std::string> hand_over();
   // Hands over and waits for the successor, while the thread of roles continues. Returns false if
   // no other bridge takes over.
   [[nodiscard]] bool hand_over_before_stop();

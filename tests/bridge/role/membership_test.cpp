@@ -1,0 +1,149 @@
+// Tests a member whose role changes before the thread of roles has followed the last change. The
+// test is that thread, and it plays the second member of the group.
+#include "bridge/role/membership.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bridge/base/clock.hpp"
+#include "bridge/dds/endpoints/standby_channel.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::eventually;
+
+// The second member.
+class Second {
+ public:
+  Second() {
+    own_.group = "g";
+    own_.member.bridge = "second";
+    own_.member.since = 1;
+  }
+  void tell(StandbyRole role, StandbyTerm term = 0) {
+    own_.member.role = role;
+    own_.member.term = term;
+    ++own_.member.beat;
+    {
+      const std::lock_guard lock(mutex_);
+      own_.member.configuration = first_.configuration;
+    }
+    channel_.tell(own_);
+  }
+  [[nodiscard]] StandbyMember first() const {
+    const std::lock_guard lock(mutex_);
+    return first_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  StandbyMember first_;
+  StandbyMessage own_;
+  Domain domain_{testing::loopback(), "second", nullptr};
+  StandbyChannel channel_{
+      domain_, "second", "g", UtcTime{1},
+      StandbyChannelHandlers{[this](const StandbyMessage& message) {
+                               const std::lock_guard lock(mutex_);
+                               first_ = message.member;
+                             },
+                             [](const auto&) {}, [](const auto&) {}, [](const auto&) {}}};
+};
+
+struct MembershipTest : ::testing::Test {
+  static BridgeSpec spec_of_first() {
+    BridgeSpec spec;
+    spec.name = "first";
+    spec.dds = testing::loopback();
+    spec.standby = StandbySpec{"g", 2};
+    return spec;
+  }
+  static BusGuard::Handlers unheard() {
+    BusGuard::Handlers handlers;
+    handlers.announce = [](const BridgeClaims&) {};
+    return handlers;
+  }
+  MembershipTest() {
+    commands.open(link, nullptr);
+    member.take_part();
+  }
+  ~MembershipTest() override {
+    (void)member.leave();
+    link.close(0ms, DdsLink::Leave::kHandOver);
+    commands.close();
+  }
+  // The second member is ready and waits until the first one is master.
+  void await_master() {
+    ASSERT_TRUE(eventually([&] {
+      second.tell(StandbyRole::kWaiting);
+      return member.figures().master && second.first().role == StandbyRole::kMaster;
+    }));
+  }
+
+  const BridgeSpec spec = spec_of_first();
+  CommandAudit audit;
+  CommandRouter router;
+  AlarmTable alarms;
+  InputRelay inputs;
+  InterestRegistry interests{[](const std::string&) {}};
+  DialInRegistry modules;
+  program::Server program{program::Hooks{}, modules};
+  MetricsTable figures;
+  MasterLease lease;
+  RoleThread roles;
+  CommandService commands{router, audit, alarms, lease, roles};
+  IoThread plans{"plans"};
+  PublisherThread sinks;
+  BusGuard guard{"first", unheard()};
+  testing::Received received;
+  DdsLink link{spec.dds, "first", received.handlers()};
+  std::atomic<const char*> step = "";
+  BusSet buses{{{sinks, link, nullptr, audit, commands, alarms, inputs, figures, lease, true},
+                guard,
+                router,
+                interests,
+                program,
+                modules,
+                plans,
+                step},
+               spec,
+               false};
+  std::atomic<bool> readers_came = false;
+  Membership member{{link, guard, buses, commands, alarms, lease, roles, readers_came}, spec, {}};
+  Second second;
+};
+
+TEST_F(MembershipTest, AMasterThatHandsOverBeforeItHasOpenedItsBusesReleasesThem) {
+  await_master();
+  ASSERT_EQ(member.hand_over(), std::nullopt);
+  (void)member.follow_role(false);
+  EXPECT_FALSE(member.is_serving());
+  EXPECT_TRUE(eventually([&] {
+    second.tell(StandbyRole::kWaiting);
+    return second.first().role == StandbyRole::kReleased;
+  }));
+  EXPECT_EQ(second.first().successor, "second");
+}
+
+TEST_F(MembershipTest, ASecondRequestForAHandOverIsNotRefused) {
+  await_master();
+  (void)member.follow_role(false);
+  ASSERT_TRUE(member.is_serving());
+  EXPECT_EQ(member.hand_over(), std::nullopt);
+  EXPECT_EQ(member.hand_over(), std::nullopt);
+}
+
+TEST_F(MembershipTest, AMasterThatHasSteppedBackIsReplacedBeforeItStops) {
+  await_master();
+  (void)member.follow_role(false);
+  ASSERT_TRUE(member.is_serving());
+  EXPECT_TRUE(eventually([&] {
+    second.tell(StandbyRole::kMaster, StandbyTerm{9} << 32 | 1);
+    return !member.figures().master;
+  }));
+  EXPECT_TRUE(member.hand_over_before_stop());
+}
+
+}  // namespace
+}  // namespace fieldcast
