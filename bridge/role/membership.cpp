@@ -150,11 +150,13 @@ Membership::Next Membership::follow_role(bool leaving) {
   const StandbyRole role = group_->role();
   CommandService& commands = uses_.commands;
   const bool handing_over = commands.is_handing_over();
+  // The election may end the mastership before promote() was called.
+  const auto was_master = [this] { return group_->view().terms_begun > 0; };
   if (role == StandbyRole::kMaster && !serves_ && !handing_over) {
     promote();
   } else if (role == StandbyRole::kHandingOver && !handing_over) {
     release();
-  } else if (role == StandbyRole::kWaiting && serves_) {
+  } else if (role == StandbyRole::kWaiting && !handing_over && was_master()) {
     log_warning(name_,
                 fmt::format("steps back: {} is master of group {}",
                             group_->view().master.value_or("another bridge"), memory_.group));

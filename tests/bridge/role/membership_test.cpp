@@ -126,6 +126,15 @@ TEST_F(MembershipTest, AMasterThatHandsOverBeforeItHasOpenedItsBusesReleasesThem
   EXPECT_EQ(second.first().successor, "second");
 }
 
+TEST_F(MembershipTest, AMasterThatStepsBackBeforeItHasOpenedItsBusesRestarts) {
+  await_master();
+  EXPECT_TRUE(eventually([&] {
+    second.tell(StandbyRole::kMaster, StandbyTerm{9} << 32 | 1);
+    return !member.figures().master;
+  }));
+  EXPECT_EQ(member.follow_role(false), Membership::Next::kRestart) << "or it is never ready again";
+}
+
 TEST_F(MembershipTest, ASecondRequestForAHandOverIsNotRefused) {
   await_master();
   (void)member.follow_role(false);
