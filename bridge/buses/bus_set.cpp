@@ -100,11 +100,16 @@ void BusSet::follow_guard(const std::set<std::string>& uncontested) {
                   "contested no longer: only this bridge serves it");
   }
   contested_ = contested;
+  std::vector<std::string> taken;
   for (const BusSpec& bus : wanted_) {
     if (running_.contains(bus.name) || !uses_.guard.serves(bus.name)) continue;
     log_warning(bus.name,
                 "taken over: the bridge that served a bus of this name has left the domain");
-    load_alarms(bus.name);
+    taken.push_back(bus.name);
+  }
+  load_alarms(taken);
+  for (const BusSpec& bus : wanted_) {
+    if (std::ranges::find(taken, bus.name) == taken.end()) continue;
     try {
       start(bus);
     } catch (const DdsError& error) { log_error(bus.name, error.what()); }
@@ -112,13 +117,15 @@ void BusSet::follow_guard(const std::set<std::string>& uncontested) {
   for (const std::string& bus : uncontested) link_.publish_again(bus);
 }
 
-void BusSet::load_alarms(const std::string& bus) {
-  if (!store_) return;
+void BusSet::load_alarms(const std::vector<std::string>& buses) {
+  if (!store_ || buses.empty()) return;
   try {
     const auto connection = open_store(StoreAddress(store_->address), IfMissing::kFail);
-    uses_.output.alarms.loaded(bus, AlarmLifeTable(*connection).kept(read_clocks().utc));
+    const KeptAlarms kept = AlarmLifeTable(*connection).kept(read_clocks().utc);
+    for (const std::string& bus : buses) uses_.output.alarms.loaded(bus, kept);
   } catch (const StoreError& error) {
-    log_warning(bus, fmt::format("its alarms are as this bridge knew them: {}", error.what()));
+    for (const std::string& bus : buses)
+      log_warning(bus, fmt::format("its alarms are as this bridge knew them: {}", error.what()));
   }
 }
 

@@ -68,9 +68,9 @@ class BusSet {
   void count_above(StandbyTerm term);
   // Carries out a decision of the guard. `uncontested`: see BusGuard::Handlers.
   void follow_guard(const std::set<std::string>& uncontested);
-  // Loads the alarm actions of users from the time when another bridge served the bus; both need
-  // the same store. Waits for the database, a few seconds at most.
-  void load_alarms(const std::string& bus);
+  // Loads the alarm actions of users from the time when another bridge served the buses; both need
+  // the same store. Waits for the database once, a few seconds at most.
+  void load_alarms(const std::vector<std::string>& buses);
 
   // Stops all buses and publishes their last samples. Ends the process if a driver hangs.
   void stop_runners() { stop_runners(running()); }

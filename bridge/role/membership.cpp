@@ -249,11 +249,8 @@ void Membership::promote() {
 // A shared store has more than the published data; a file on this host has less.
 void Membership::take_over_alarms(const std::vector<std::string>& taken,
                                   const std::vector<StationAlarmStatus>& followed) {
+  if (has_common_store_) return uses_.buses.load_alarms(taken);
   for (const std::string& bus : taken) {
-    if (has_common_store_) {
-      uses_.buses.load_alarms(bus);
-      continue;
-    }
     KeptAlarms kept;
     for (const StationAlarmStatus& each : followed) {
       if (each.alarm.bus != bus) continue;

@@ -3,8 +3,11 @@
 #include "bridge/role/membership.hpp"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
 
-#include "bridge/base/clock.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "bridge/dds/endpoints/standby_channel.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
@@ -49,6 +52,47 @@ class Second {
                                first_ = message.member;
                              },
                              [](const auto&) {}, [](const auto&) {}, [](const auto&) {}}};
+};
+
+// A database that ends each connection. Its thread counts them.
+class LostDatabase {
+ public:
+  LostDatabase() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const bound = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_EQ(::bind(listening_.get(), bound, size), 0);
+    EXPECT_EQ(::listen(listening_.get(), 8), 0);
+    EXPECT_EQ(::getsockname(listening_.get(), bound, &size), 0);
+    address_ = "postgresql://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) +
+               "/plant?sslmode=disable&gssencmode=disable";
+    thread_ = std::thread([this] {
+      for (; !ending_; (void)accept()) {
+        pollfd source{listening_.get(), POLLIN, 0};
+        (void)::poll(&source, 1, 10);
+      }
+    });
+  }
+  ~LostDatabase() {
+    ending_ = true;
+    thread_.join();
+  }
+  [[nodiscard]] const std::string& address() const { return address_; }
+  [[nodiscard]] int connections() const { return connections_; }
+
+ private:
+  bool accept() {
+    const FileDescriptor client(::accept(listening_.get(), nullptr, nullptr));
+    if (client.valid()) ++connections_;
+    return client.valid();
+  }
+  FileDescriptor listening_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+  std::string address_;
+  std::atomic<int> connections_ = 0;
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;
 };
 
 struct MembershipTest : ::testing::Test {
@@ -99,16 +143,16 @@ struct MembershipTest : ::testing::Test {
   testing::Received received;
   DdsLink link{spec.dds, "first", received.handlers()};
   std::atomic<const char*> step = "";
-  BusSet buses{{{sinks, link, nullptr, audit, commands, alarms, inputs, figures, lease, true},
-                guard,
-                router,
-                interests,
-                program,
-                modules,
-                plans,
-                step},
-               spec,
-               false};
+  const BusSet::Uses uses{
+      {sinks, link, nullptr, audit, commands, alarms, inputs, figures, lease, true},
+      guard,
+      router,
+      interests,
+      program,
+      modules,
+      plans,
+      step};
+  BusSet buses{uses, spec, false};
   std::atomic<bool> readers_came = false;
   Membership member{{link, guard, buses, commands, alarms, lease, roles, readers_came}, spec, {}};
   Second second;
@@ -152,6 +196,17 @@ TEST_F(MembershipTest, AMasterThatHasSteppedBackIsReplacedBeforeItStops) {
     return !member.figures().master;
   }));
   EXPECT_TRUE(member.hand_over_before_stop());
+}
+
+// Each attempt may last for seconds, and the bridge cannot stop meanwhile.
+TEST_F(MembershipTest, ADatabaseThatIsLostIsTriedOnceForAllBuses) {
+  const LostDatabase database;
+  BridgeSpec stored = spec;
+  stored.store = StoreSpec{};
+  stored.store->address = database.address();
+  BusSet many{uses, stored, false};
+  many.load_alarms({"one", "two", "three"});
+  EXPECT_EQ(database.connections(), 1);
 }
 
 }  // namespace
