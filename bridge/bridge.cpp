@@ -75,17 +75,14 @@ std::vector<BusTurn> Bridge::turns() const {
 void Bridge::stop() {
   leaving_ = true;
   roles_.notify();
-  bool handed_over = false, serving = false;
+  bool handed_over = false, needs_successor = false;
   {
     const std::lock_guard lock(changing_);
     handed_over = membership_ != nullptr;
-    serving = membership_ && membership_->is_serving();
+    needs_successor = membership_ && membership_->needs_successor();
   }
   // Without the lock, so that the thread of roles can release the buses.
-  if (serving)
-    handed_over = membership_->hand_over_before_stop();
-  else if (handed_over)
-    membership_->finish_pause();
+  if (needs_successor) handed_over = membership_->hand_over_before_stop();
   {
     const std::lock_guard lock(changing_);
     stop_all(Modules::kLetGo, handed_over ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
@@ -206,8 +203,9 @@ void Bridge::restart_as_standby() {
 }
 
 tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wanted) {
-  // If another bridge has just taken over, the thread of roles restarts this one first.
-  (void)roles_.wait_until(steady_now() + 2 * HandOverPause::kLength, [this] {
+  // If another bridge takes over, the thread of roles restarts this one first.
+  const Duration longest = Election::kHandOver + 2 * HandOverPause::kLength;
+  (void)roles_.wait_until(steady_now() + longest, [this] {
     const std::lock_guard lock(changing_);
     return !membership_ || !membership_->is_pausing();
   });

@@ -136,14 +136,10 @@ bool Membership::hand_over_before_stop() {
         const StandbyGroup::View view = group_->view();
         return view.role == StandbyRole::kWaiting && view.master.has_value();
       });
-  if (replaced) pause_.begin(steady_now());
-  finish_pause();
-  return replaced;
-}
-
-void Membership::finish_pause() {
   const Instant now = steady_now();
+  if (replaced) pause_.begin(now);
   (void)uses_.roles.wait_until(now + pause_.left(now), [] { return false; });
+  return replaced;
 }
 
 Membership::Next Membership::follow_role(bool leaving) {

@@ -68,16 +68,19 @@ class Membership {
   [[nodiscard]] Next follow_role(bool leaving);
   [[nodiscard]] bool is_serving() const { return serves_.has_value(); }
 
+  // Returns true if this bridge serves, or is_pausing().
+  [[nodiscard]] bool needs_successor() const { return is_serving() || is_pausing(); }
+
   // Requests that any ready member becomes master; returns why not. Succeeds if this bridge is not
   // master any more, or is handing over already.
   [[nodiscard]] std::optional<std::string> hand_over();
-  // Hands over and waits for the successor, while the thread of roles continues. Returns false if
-  // no other bridge takes over.
+  // Hands over, unless that has begun, and waits for the successor, while the thread of roles
+  // continues. Returns false if no other bridge takes over. REQUIRES: follow_role() does not
+  // restart any more.
   [[nodiscard]] bool hand_over_before_stop();
-  // Returns true between a hand-over and the restart that follows. REQUIRES: the bridge's lock.
-  [[nodiscard]] bool is_pausing() const { return pause_.has_begun(); }
-  // Waits for the end of a pause that has begun. REQUIRES: follow_role() does not restart any more.
-  void finish_pause();
+  // Returns true from the release of the buses to the restart that follows. Their instances belong
+  // to the successor. REQUIRES: the bridge's lock.
+  [[nodiscard]] bool is_pausing() const { return uses_.commands.is_handing_over(); }
   // Announces the end. Destroy this object when the link is closed.
   [[nodiscard]] Memory leave();
 

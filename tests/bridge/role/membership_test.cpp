@@ -7,6 +7,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <future>
+
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/dds/endpoints/standby_channel.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
@@ -196,6 +198,23 @@ TEST_F(MembershipTest, AMasterThatHasSteppedBackIsReplacedBeforeItStops) {
     return !member.figures().master;
   }));
   EXPECT_TRUE(member.hand_over_before_stop());
+}
+
+TEST_F(MembershipTest, AMasterThatStopsAfterItHasReleasedItsBusesWaitsForItsSuccessor) {
+  await_master();
+  (void)member.follow_role(false);
+  ASSERT_EQ(member.hand_over(), std::nullopt);
+  (void)member.follow_role(false);
+  ASSERT_FALSE(member.is_serving());
+  EXPECT_TRUE(member.is_pausing()) << "a reload waits";
+  EXPECT_TRUE(member.needs_successor());
+  auto replaced = std::async(std::launch::async, [&] { return member.hand_over_before_stop(); });
+  EXPECT_EQ(replaced.wait_for(100ms), std::future_status::timeout);
+  EXPECT_TRUE(eventually([&] {
+    second.tell(StandbyRole::kMaster, StandbyTerm{9} << 32 | 1);
+    return replaced.wait_for(10ms) == std::future_status::ready;
+  }));
+  EXPECT_TRUE(replaced.get());
 }
 
 // Each attempt may last for seconds, and the bridge cannot stop meanwhile.
