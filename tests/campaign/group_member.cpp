@@ -158,6 +158,7 @@ StandbyMessage GroupMember::message(Instant now) {
 // ---- role
 
 void GroupMember::follow_role(Instant now) {
+  if (!election_) return;  // a message before has made it leave
   const StandbyRole role = election_->role();
   if (role != told_) {
     if (role == StandbyRole::kMaster && told_ == StandbyRole::kWaiting) {
@@ -177,11 +178,12 @@ void GroupMember::follow_role(Instant now) {
     told_ = role;
     beat_soon_ = true;
   }
-  const bool steps_back =
-      role == StandbyRole::kWaiting && serving_ && outside_.sabotage != GroupSabotage::kTwoMasters;
+  const bool was_master = serving_ || (!handing_over_ && election_->term() != 0);
+  const bool steps_back = role == StandbyRole::kWaiting && was_master &&
+                          outside_.sabotage != GroupSabotage::kTwoMasters;
   if (role == StandbyRole::kMaster && !serving_ && !handing_over_) {
     promote(now);
-  } else if (role == StandbyRole::kHandingOver && serving_) {
+  } else if (role == StandbyRole::kHandingOver && (serving_ || !handing_over_)) {
     release(now);
   } else if (steps_back) {
     note("steps back");
@@ -230,6 +232,7 @@ void GroupMember::release(Instant now) {
   if (give_up_at_ != kNever) return;  // its own takeover is not complete
   if (!std::exchange(handing_over_, true)) {
     note("hands over");
+    promote_by_ = kNever;
     held_->stand_by();
     release_by_ = now + kFinish;
   }
@@ -241,6 +244,7 @@ void GroupMember::release(Instant now) {
 
 void GroupMember::let_go_of_the_bus() {
   release_by_ = kNever;
+  if (!serving_) return;
   outside_.wire.feed(index_, StopRequested{});
   outside_.wire.close(index_);
   serving_ = false;
@@ -250,7 +254,7 @@ void GroupMember::let_go_of_the_bus() {
 void GroupMember::leave(Instant now) {
   leave_at_ = promote_by_ = give_up_at_ = kNever;
   fit_since_ = kNever;
-  if (serving_) let_go_of_the_bus();
+  let_go_of_the_bus();
   tell_last_words(now);
   StandbyMessage last = message(now);
   last.member.role = StandbyRole::kLeft;
