@@ -72,6 +72,12 @@ std::string remedy_of(const security::SecurityError& error) {
   return "an administrator of the bridge's machine checks its disk";
 }
 
+// True if two configurations are the same except for the address of the store.
+bool differs_only_in_address(BridgeSpec a, const BridgeSpec& b) {
+  if (a.store && b.store) a.store->address = b.store->address;
+  return a == b;
+}
+
 Outcome another_probe() {
   return refused(409, "another engineer reads first values on this bus", "try again");
 }
@@ -85,6 +91,8 @@ constexpr std::size_t kMostVersionBytes = 64, kMostName = 64;
 // Without the fault, which has the password.
 const std::string kMovedSecret = "a hidden password is not valid at this place; leave every " +
                                  std::string(kHidden) + " where it is";
+const std::string kSecretPlaces =
+    "a hidden password may be in the address of the store and in comments only";
 // A station waits longer for a reply.
 constexpr Duration kLongestProbe = std::chrono::seconds{8};
 
@@ -164,11 +172,15 @@ ConfigurationAgent::Response ConfigurationAgent::check(const Tree& request, cons
   if (draft.loaded) plans = plans_json(*draft.loaded);
   const auto text = with_secrets(*given, before);
   const bool is_valid = draft.loaded.has_value();
-  if (text && *text != *given && is_valid)
+  bool is_moved = false;
+  if (text && *text != *given && is_valid) {
+    const BridgeSpec shown = *std::move(draft.loaded);
     draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kAccept);
-  if (!text || (is_valid && !draft.loaded))
-    faults.push_back(fault_json(folder_.file(), text ? kMovedSecret : text.error(), ""));
-  if (text && draft.loaded && present.loaded) {
+    is_moved = !draft.loaded || !differs_only_in_address(shown, *draft.loaded);
+  }
+  if (!text) faults.push_back(fault_json(folder_.file(), text.error(), ""));
+  if (is_moved) faults.push_back(fault_json(folder_.file(), kMovedSecret, kSecretPlaces));
+  if (text && !is_moved && draft.loaded && present.loaded) {
     for (const std::string& key : changed_protected_keys(*present.loaded, *draft.loaded))
       faults.push_back(
           fault_json(folder_.file(), "a protected key differs: " + key, "restore its lines"));
@@ -203,11 +215,18 @@ Outcome ConfigurationAgent::deploy(const std::string& given, const std::string& 
   const Draft present = load_present(before, folder_.file());
   const auto text = with_secrets(given, before);
   if (!text) return refused(400, text.error(), "read the configuration again");
-  const std::string shown = without_secrets(given);
+  // An earlier version has its passwords and no kHidden. Faults must not show them.
+  const bool is_filled = *text != given;
+  const std::string shown = is_filled ? given : without_secrets(given);
   Draft draft = load_draft(shown, folder_.file(), present.paths, Hopeless::kRefuse);
   if (!draft.loaded) return with_faults(draft.loaded.error());
-  if (*text != shown) draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
-  if (!draft.loaded) return refused(400, kMovedSecret, "read the configuration again");
+  if (*text != shown) {
+    const BridgeSpec hidden = *std::move(draft.loaded);
+    draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
+    // An alias or a moved comment would publish a password, for example as a description.
+    if (!draft.loaded || (is_filled && !differs_only_in_address(hidden, *draft.loaded)))
+      return refused(400, kMovedSecret, kSecretPlaces);
+  }
   if (!present.loaded)
     return refused(409, "the present file is invalid, so its protected keys are unknown",
                    "an administrator corrects the file itself");

@@ -55,10 +55,13 @@ TEST_F(ConfigurationDraft, FirstValuesAreThoseOfTheDraftAndNothingIsSaved) {
 // An engineer may put the hidden password at another key, to see it in what the bridge responds.
 TEST_F(ConfigurationDraft, AHiddenPasswordIsShownInNoResponse) {
   constexpr const char* kSecret = "7s3cret";
+  constexpr const char* kHiddenBus =
+      "name: __HIDDEN__\n    gateway: { listen: \"127.0.0.1:1502\" }";
   std::ofstream(file_) << kText << "store: { url: \"postgresql://anna:" << kSecret << "@db/p\" }\n";
   for (const auto& [from, to] :
        std::map<std::string, std::string>{{"address: 1", "address: __HIDDEN__"},
                                           {"name: c", "name: __HIDDEN__"},
+                                          {"name: line", kHiddenBus},
                                           {"type: uint16", "type: uint16, unit: __HIDDEN__"}}) {
     std::string text = kText;
     text.replace(text.find(from), from.size(), to);
@@ -87,6 +90,35 @@ TEST_F(ConfigurationDraft, AHiddenPasswordIsValidOnlyWhereItIs) {
   EXPECT_THAT(run("check", {{"text", shown}}).second["faults"].dump(),
               HasSubstr("a hidden password is not valid at this place"));
   EXPECT_EQ(deploy(shown).first, 400u);
+}
+
+// The description of a channel is published to every viewer.
+TEST_F(ConfigurationDraft, AHiddenPasswordIsNotPublishedAsADescription) {
+  const std::string store = "store: { url: \"postgresql://anna:p@db/p\" }\n";
+  const std::string comment = "# password: x\n";
+  const std::string channel = "name: c, ";
+  const auto described = [&](std::string text, const std::string& description) {
+    return text.insert(text.find(channel) + channel.size(), "description: " + description + ", ");
+  };
+  std::ofstream(file_) << store << kText << comment;
+  const std::string before = file();
+  std::string alias = described(run("read").second["text"], "*u");
+  alias.insert(alias.find('"'), "&u ");
+  const std::string moved = described("# password: __HIDDEN__\n" + std::string(kText) + store,
+                                      "\"password: __HIDDEN__\"");
+  std::string from_comment = described(run("read").second["text"], "__HIDDEN__");
+  from_comment.erase(from_comment.find("# password"));
+  for (const std::string& text : {alias, moved, from_comment}) {
+    EXPECT_THAT(run("check", {{"text", text}}).second["faults"].dump(),
+                HasSubstr("a hidden password is not valid at this place"))
+        << text;
+    EXPECT_EQ(deploy(text).first, 400u) << text;
+    EXPECT_EQ(file(), before);
+  }
+  const std::string plain = described(run("read").second["text"], "a pump");
+  EXPECT_TRUE(run("check", {{"text", plain}}).second["faults"].empty());
+  EXPECT_EQ(deploy(plain).first, 200u);
+  EXPECT_EQ(file(), described(before, "a pump"));
 }
 
 TEST_F(ConfigurationDraft, AProbeThatCannotRunIsRefused) {
