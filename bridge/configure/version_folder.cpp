@@ -91,12 +91,18 @@ void VersionFolder::make_folder() {
 void VersionFolder::add(VersionRow row, const std::string& text) {
   make_folder();
   security::replace(path(row.version + ".yaml"), text, security::kOwnerOnly);
+  const auto is_in_force = [in_force = version_of(present())](const VersionRow& other) {
+    return other.version == in_force;
+  };
   std::vector<VersionRow> rows = rows_;
   rows.push_back(std::move(row));
   std::vector<std::string> old;
   while (rows.size() > kMostVersions) {
-    old.push_back(rows.front().version);
-    rows.erase(rows.begin());
+    // The text in force stays: the roll-back of this deployment needs it.
+    auto oldest = rows.begin();
+    if (is_in_force(*oldest) && std::ranges::count_if(rows, is_in_force) == 1) ++oldest;
+    old.push_back(oldest->version);
+    rows.erase(oldest);
   }
   write_list(rows);
   rows_ = std::move(rows);

@@ -27,7 +27,7 @@ struct VersionRow {
 
 class VersionFolder {
  public:
-  static constexpr std::size_t kMostVersions = 100;  // then the oldest are deleted
+  static constexpr std::size_t kMostVersions = 100;  // then the oldest not in force are deleted
 
   // `file`: the configuration; a link is followed.
   explicit VersionFolder(const std::string& file);

@@ -51,6 +51,20 @@ TEST_F(VersionFolderTest, ForgetsTheOldest) {
   EXPECT_TRUE(std::filesystem::exists(file_ + ".versions/1.yaml"));
 }
 
+// A deployment adds a row before it replaces the file, and may be rolled back to the file before.
+TEST_F(VersionFolderTest, KeepsTheTextInForceAlsoIfItIsTheOldest) {
+  VersionFolder folder(file_);
+  const std::string base = version_of(folder.present());
+  folder.add({base, "", "", {}, "found"}, folder.present());
+  for (std::size_t i = 0; i < VersionFolder::kMostVersions; ++i)
+    folder.add({std::to_string(i), "", "", {}, ""}, "text");
+  EXPECT_THAT(folder.rows(), SizeIs(VersionFolder::kMostVersions));
+  EXPECT_FALSE(folder.text_of("0"));
+  folder.replace("text");
+  folder.restore(base);
+  EXPECT_EQ(folder.present(), "bridge: one\n");
+}
+
 TEST_F(VersionFolderTest, ReplacesTheFileAndKeepsItsRights) {
   ::chmod(file_.c_str(), 0640);
   VersionFolder folder(file_);
