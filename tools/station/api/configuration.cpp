@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "config/keys/documents.hpp"
 #include "core/base/json.hpp"
@@ -41,6 +42,11 @@ HttpResponse response_of(const tl::expected<std::string, StationFault>& replied)
   return response;
 }
 
+HttpResponse too_many_requests() {
+  return error_response(503, "too many requests wait for bridges; this request was not sent",
+                        "try again later");
+}
+
 using Texts = std::map<std::string, std::string>;
 
 // `members` of the request, with the bridge.
@@ -54,15 +60,15 @@ void send(const Api& api, const std::string& operation, Texts members, const Cal
   members["who"] = caller.user;
   const bool sent = api.configurations->send(
       bridge, Json(members).text(),
-      [reply, bridge, operation](const ConfigurationRequests::Replied& replied) {
-        HttpResponse response = response_of(replied);
+      [reply, bridge, operation](const std::optional<ConfigurationRequests::Replied>& replied) {
+        HttpResponse response = replied ? response_of(*replied) : too_many_requests();
         if (operation == "read" && response.body.starts_with('{') && response.status == 200)
           response.body = json_joined(JsonObject().add("bridge", bridge).take(), response.body);
         if (operation == "scan" && response.status == 200)
           response.body = with_templates(response.body, device_templates());
         reply(std::move(response));
       });
-  if (!sent) reply(error_response(503, "too many requests wait for bridges", "try again later"));
+  if (!sent) reply(too_many_requests());
 }
 
 // A body with exactly these members, all of them texts.

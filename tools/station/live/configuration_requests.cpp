@@ -16,10 +16,12 @@ void run_tasks(BoundedQueue<std::function<void()>>& tasks) {
 }  // namespace
 
 ConfigurationRequests::ConfigurationRequests(boost::asio::io_context& io, Send send,
-                                             std::function<void()> cancel)
+                                             std::function<void()> cancel,
+                                             std::function<Instant()> now)
     : io_(io),
       send_(std::move(send)),
       cancel_(std::move(cancel)),
+      now_(std::move(now)),
       requests_("configure", kMaxWaiting, run_tasks),
       local_("import", kMaxWaiting, run_tasks) {}
 
@@ -30,12 +32,13 @@ ConfigurationRequests::~ConfigurationRequests() {
 }
 
 bool ConfigurationRequests::send(std::string bridge, std::string request,
-                                 std::function<void(Replied)> done) {
-  auto replied = std::make_shared<Replied>();
+                                 std::function<void(std::optional<Replied>)> done) {
+  auto replied = std::make_shared<std::optional<Replied>>();
   return put(
       requests_,
-      [this, replied, bridge = std::move(bridge), request = std::move(request)] {
-        *replied = send_(bridge, request);
+      [this, replied, latest = now_() + kPatience, bridge = std::move(bridge),
+       request = std::move(request)] {
+        if (now_() <= latest) *replied = send_(bridge, request);
       },
       [replied, done = std::move(done)] { done(std::move(*replied)); });
 }

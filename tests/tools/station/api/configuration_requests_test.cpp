@@ -2,10 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/api_routes.hpp"
@@ -120,6 +123,35 @@ TEST(ConfigurationRequests, OtherWorkDoesNotWaitForASilentBridge) {
   ASSERT_TRUE(requests.run([] {}, [&] { done = true; }));
   EXPECT_EQ(io.run_one_for(std::chrono::seconds{10}), 1u);
   EXPECT_TRUE(done);
+}
+
+// After HttpLimits::handler the client has the response 503, and must be able to rely on it.
+TEST(ConfigurationRequests, ALateRequestIsNotSent) {
+  boost::asio::io_context io;
+  const auto guard = boost::asio::make_work_guard(io);
+  std::atomic<Duration> time{Duration{}};
+  std::promise<void> first_is_sent, bridge_replies;
+  const auto bridge_has_replied = bridge_replies.get_future().share();
+  std::vector<std::string> sent;
+  ConfigurationRequests requests{
+      io,
+      [&](const std::string&, const std::string& request) -> ConfigurationRequests::Replied {
+        sent.push_back(request);
+        if (sent.size() == 1) first_is_sent.set_value();
+        bridge_has_replied.wait();
+        return request;
+      },
+      [] {}, [&] { return Instant{time.load()}; }};
+  std::vector<bool> have_replies;
+  const auto done = [&](const auto& replied) { have_replies.push_back(replied.has_value()); };
+  ASSERT_TRUE(requests.send("down", "first", done));
+  ASSERT_TRUE(requests.send("b", "late", done));
+  first_is_sent.get_future().wait();
+  time = ConfigurationRequests::kPatience + Duration{1};
+  bridge_replies.set_value();
+  while (have_replies.size() < 2 && io.run_one_for(std::chrono::seconds{10}) == 1) {}
+  EXPECT_THAT(have_replies, ElementsAre(true, false));
+  EXPECT_THAT(sent, ElementsAre("first"));
 }
 
 TEST(DeviceTemplates, HaveMakerModelAndProtocol) {
