@@ -2,7 +2,6 @@
 // describes each of them, and its schemas. All run on the io thread.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/api/body_limits.hpp"
+#include "tools/station/api/export.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/live/configuration_requests.hpp"
 #include "tools/station/model/live_model.hpp"
@@ -44,7 +44,7 @@ struct Api {
   std::function<UtcTime()> now;
   std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
   std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
-  std::shared_ptr<std::atomic<int>> exports = std::make_shared<std::atomic<int>>(0);  // running
+  std::shared_ptr<RunningExports> exports = std::make_shared<RunningExports>();
 };
 
 using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller& caller,

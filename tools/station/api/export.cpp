@@ -1,6 +1,6 @@
 #include "tools/station/api/export.hpp"
 
-#include <atomic>
+#include <algorithm>
 
 #include "bridge/store/tiers/tier_table.hpp"
 #include "core/base/json.hpp"
@@ -17,12 +17,8 @@ constexpr Duration kShortest = std::chrono::milliseconds{1};
 
 class ExportStream {
  public:
-  using Running = std::shared_ptr<std::atomic<int>>;
-  ExportStream(Database& database, ExportQuestion question, Running running)
-      : database_(database), exporter_(std::move(question)), running_(std::move(running)) {
-    ++*running_;
-  }
-  ~ExportStream() { --*running_; }
+  ExportStream(Database& database, ExportQuestion question, RunningExports::Slot slot)
+      : database_(database), exporter_(std::move(question)), slot_(std::move(slot)) {}
   ExportStream(const ExportStream&) = delete;
   ExportStream& operator=(const ExportStream&) = delete;
 
@@ -45,18 +41,17 @@ class ExportStream {
  private:
   Database& database_;
   Exporter exporter_;
-  const Running running_;
+  const RunningExports::Slot slot_;
   bool broken_ = false;  // used on the io thread
 };
 
-HttpResponse streamed(Database& database, ExportQuestion question,
-                      const ExportStream::Running& running) {
+HttpResponse streamed(Database& database, ExportQuestion question, RunningExports::Slot slot) {
   HttpResponse response;
   response.content_type = question.json_lines ? "application/x-ndjson" : "text/csv; charset=utf-8";
   response.headers.emplace_back("content-disposition",
                                 "attachment; filename=\"" + export_file_name(question) + '"');
   if (question.compress) response.headers.emplace_back("content-encoding", "gzip");
-  auto stream = std::make_shared<ExportStream>(database, std::move(question), running);
+  auto stream = std::make_shared<ExportStream>(database, std::move(question), std::move(slot));
   response.next = [stream](std::function<void(Piece)> give) {
     ExportStream::next(stream, std::move(give));
   };
@@ -65,7 +60,21 @@ HttpResponse streamed(Database& database, ExportQuestion question,
 
 }  // namespace
 
-void export_history(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+RunningExports::Slot RunningExports::begin(const std::string& user) {
+  std::erase_if(slots_, [](const auto& slot) { return slot.expired(); });
+  const auto is_of_user = [&](const auto& slot) {
+    const Slot running = slot.lock();
+    return running && *running == user;
+  };
+  const auto of_user = static_cast<std::size_t>(std::ranges::count_if(slots_, is_of_user));
+  if (slots_.size() >= kMax || of_user >= kMaxOfUser) return nullptr;
+  const auto slot = std::make_shared<const std::string>(user);
+  slots_.push_back(slot);
+  return slot;
+}
+
+void export_history(const Api& api, const HttpRequest& request, const Caller& caller,
+                    const Reply& reply) {
   const Parameters parameters(request, {"pattern", "channel", "from", "to", "format", "every"});
   if (auto fault = parameters.fault("channel")) return reply(*std::move(fault));
   auto channels = request.parameter("channel") ? parameters.channels("channel", kMaxHistoryChannels)
@@ -79,13 +88,14 @@ void export_history(const Api& api, const HttpRequest& request, const Caller&, c
   if (!json_lines) return reply(std::move(json_lines.error()));
   auto every = parameters.duration("every", kShortest);
   if (!every) return reply(std::move(every.error()));
-  if (*api.exports >= kMaxExports)
+  RunningExports::Slot slot = api.exports->begin(caller.user);
+  if (!slot)
     return reply(error_response(503, "too many exports are in progress",
                                 "ask again when one of them has ended"));
   reply(streamed(*api.database,
                  {*std::move(channels), *std::move(pattern), span->from, span->to, *every,
                   *json_lines, request.accepts_gzip},
-                 api.exports));
+                 std::move(slot)));
 }
 
 std::string export_file_name(const ExportQuestion& question) {

@@ -1,6 +1,8 @@
 // GET /api/export: streams the history of any number of channels as CSV or JSON lines.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +14,20 @@
 
 namespace fieldcast::web {
 
-inline constexpr int kMaxExports = 4;
+// Limits the exports in progress, so that a slow client leaves room for other users. On the io
+// thread.
+class RunningExports {
+ public:
+  static constexpr std::size_t kMax = 4, kMaxOfUser = 2;
+  // The user of an export, which ends with the last copy. Any thread.
+  using Slot = std::shared_ptr<const std::string>;
+
+  // Returns null beyond a limit.
+  [[nodiscard]] Slot begin(const std::string& user);
+
+ private:
+  std::vector<std::weak_ptr<const std::string>> slots_;
+};
 
 struct ExportQuestion {
   std::vector<ChannelPath> channels;  // in this order; empty: those that match `pattern`

@@ -106,11 +106,12 @@ class ApiTest : public testing::Test {
     if (!database_) database_.emplace(address(), io_.post());
     return &*database_;
   }
-  [[nodiscard]] HttpResponse ask(const HttpRequest& request, Role role = Role::kEngineer) {
+  [[nodiscard]] HttpResponse ask(const HttpRequest& request, Role role = Role::kEngineer,
+                                 const std::string& user = "anna") {
     const auto route = table_.find(request.method, request.path, role);
     if (!route) return route.error();
     std::optional<HttpResponse> response;
-    (*route)->handler(request, Caller{"anna", role, "127.0.0.1"},
+    (*route)->handler(request, Caller{user, role, "127.0.0.1"},
                       [&](HttpResponse given) { response = std::move(given); });
     EXPECT_TRUE(io_.run_until([&] { return response.has_value(); })) << "no response";
     return response.value_or(HttpResponse{});

@@ -131,10 +131,20 @@ TEST_F(ExportApiTest, NothingIsJustTheHeadLine) {
 TEST_F(ExportApiTest, OneTooManyIsRefusedUntilAnotherHasEnded) {
   store_samples(1, 1);
   std::vector<HttpResponse> running;
-  for (int i = 0; i < kMaxExports; ++i) running.push_back(ask("/api/export?from=0"));
-  EXPECT_EQ(ask("/api/export?from=0").status, 503u);
-  running.pop_back();
-  EXPECT_EQ(ask("/api/export?from=0").status, 200u);
+  const auto status_of = [&](const char* user) {
+    HttpResponse response = ask(test::request_of("/api/export?from=0"), Role::kViewer, user);
+    const unsigned status = response.status;
+    if (status == 200) running.push_back(std::move(response));
+    return status;
+  };
+  for (std::size_t i = 0; i < RunningExports::kMaxOfUser; ++i) EXPECT_EQ(status_of("anna"), 200u);
+  EXPECT_EQ(status_of("anna"), 503u);
+  for (std::size_t i = running.size(); i < RunningExports::kMax; ++i)
+    EXPECT_EQ(status_of("bert"), 200u) << "the exports of anna leave room";
+  EXPECT_EQ(status_of("carl"), 503u);
+  running.erase(running.begin());
+  EXPECT_EQ(status_of("bert"), 503u);
+  EXPECT_EQ(status_of("carl"), 200u);
 }
 
 TEST_F(ExportApiTest, AClientThatLeavesInTheMiddleIsNotAFault) {
