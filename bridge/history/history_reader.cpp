@@ -13,6 +13,8 @@ constexpr std::size_t kRowBytes = 48;
 // Of the first look back for the sample after which a range begins; it grows by the factor.
 constexpr Duration kFirstLook = std::chrono::minutes{1};
 constexpr int kLookFactor = 4;
+// No sample is missed if the clock was set back by at most this within the epoch.
+constexpr Duration kLargestStep = std::chrono::minutes{10};
 
 UtcTime as_time(std::uint64_t epoch) { return {static_cast<std::int64_t>(epoch)}; }
 
@@ -36,15 +38,16 @@ SampleTable::Span span_of(const HistoryRange& range, UtcTime until,
 }
 
 // A range that begins after a sample would otherwise be read from the begin of its epoch, which may
-// be months ago. Sequences increase with the time of publication, so steps back from the end find
-// a later begin.
+// be months ago. Sequences increase with the time of publication, so looks further and further back
+// from the end find a later begin. After the clock was set back, later samples have earlier times.
 UtcTime HistoryReader::begin_of(std::int64_t channel, const SampleTable::Span& span, UtcTime now) {
   const UtcTime end = std::min({span.to, span.after_until, now});
   for (Duration look = kFirstLook;; look *= kLookFactor) {
     const UtcTime begin{saturated_difference(end.nanoseconds, look.count())};
     if (begin <= span.from || look > Duration::max() / kLookFactor) return span.from;
     const auto first = samples_.first(channel, begin, end);
-    if (first && first->sequence <= span.after) return begin;
+    if (first && first->sequence <= span.after)
+      return std::max(span.from, {saturated_difference(begin.nanoseconds, kLargestStep.count())});
   }
 }
 

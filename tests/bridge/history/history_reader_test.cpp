@@ -139,6 +139,35 @@ TEST(HistoryReader, FindsTheBeginOfARangeInALongEpoch) {
   }
 }
 
+// The first samples after the step have earlier times than the last ones before it.
+TEST(HistoryReader, FindsTheSamplesAfterAStepOfTheClock) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("step.db"));
+  constexpr std::uint64_t kBefore = 20'000, kAfter = 500;
+  constexpr std::int64_t kStep = 600, kNow = kBefore - kStep + kAfter;
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("h", {"a"}));
+    store.put(BusEpoch{"h", epoch(0)});
+    for (std::uint64_t i = 1; i <= kBefore + kAfter; ++i) {
+      const auto second = static_cast<std::int64_t>(i) - (i > kBefore ? kStep : 0);
+      const Sample one[] = {sample(0, 0.5, second, i)};
+      intake->put(one, kClock, utc(second));
+    }
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const auto connection = open_store(address, IfMissing::kFail);
+  const HistoryRange range{.device = "d",
+                           .channel = "a",
+                           .after = {epoch(0), kBefore},
+                           .until = {epoch(0), kBefore + kAfter}};
+  const auto found =
+      numbers(HistoryReader(*connection).read(request({range}, 2 * kAfter), utc(kNow)));
+  ASSERT_EQ(found.size(), kAfter - 1);
+  EXPECT_EQ(found.front(), (SampleNumber{epoch(0), kBefore + 1}));
+  EXPECT_EQ(found.back(), (SampleNumber{epoch(0), kBefore + kAfter - 1}));
+}
+
 TEST(HistoryReader, LongTextsEndAResponseEarlier) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("texts.db"));
