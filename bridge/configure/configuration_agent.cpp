@@ -88,9 +88,6 @@ Outcome no_such_bus(const std::string& bus) {
 }
 
 constexpr std::size_t kMostVersionBytes = 64, kMostName = 64;
-// Without the fault, which has the password.
-const std::string kMovedSecret = "a hidden password is not valid at this place; leave every " +
-                                 std::string(kHidden) + " where it is";
 const std::string kSecretPlaces =
     "a hidden password may be in the address of the store and in comments only";
 // A station waits longer for a reply.
@@ -179,7 +176,8 @@ ConfigurationAgent::Response ConfigurationAgent::check(const Tree& request, cons
     is_moved = !draft.loaded || !differs_only_in_address(shown, *draft.loaded);
   }
   if (!text) faults.push_back(fault_json(folder_.file(), text.error(), ""));
-  if (is_moved) faults.push_back(fault_json(folder_.file(), kMovedSecret, kSecretPlaces));
+  if (is_moved)
+    faults.push_back(fault_json(folder_.file(), std::string(kMovedSecret), kSecretPlaces));
   if (text && !is_moved && draft.loaded && present.loaded) {
     for (const std::string& key : changed_protected_keys(*present.loaded, *draft.loaded))
       faults.push_back(
@@ -225,7 +223,7 @@ Outcome ConfigurationAgent::deploy(const std::string& given, const std::string& 
     draft = load_draft(*text, folder_.file(), present.paths, Hopeless::kRefuse);
     // An alias or a moved comment would publish a password, for example as a description.
     if (!draft.loaded || (is_filled && !differs_only_in_address(hidden, *draft.loaded)))
-      return refused(400, kMovedSecret, kSecretPlaces);
+      return refused(400, std::string(kMovedSecret), kSecretPlaces);
   }
   if (!present.loaded)
     return refused(409, "the present file is invalid, so its protected keys are unknown",

@@ -138,6 +138,8 @@ tl::expected<std::string, std::string> with_secrets(std::string_view draft,
     return tl::unexpected<std::string>(
         "the text has another number of hidden passwords than the file; leave every " +
         std::string(kHidden) + " where it is");
+  if (used != 0 && without_secrets(out) != without_secrets(draft))
+    return tl::unexpected(std::string(kMovedSecret));
   return out;
 }
 

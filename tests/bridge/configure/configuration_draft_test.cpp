@@ -121,6 +121,21 @@ TEST_F(ConfigurationDraft, AHiddenPasswordIsNotPublishedAsADescription) {
   EXPECT_EQ(file(), described(before, "a pump"));
 }
 
+// The loader reads the escaped URL as before, and the file shows it to engineers.
+TEST_F(ConfigurationDraft, AHiddenPasswordStaysHiddenInTheFile) {
+  std::ofstream(file_) << kText << "store: { url: \"postgresql://anna:p@db/p\" }\n"
+                       << "# password: x\n";
+  const std::string before = file(), shown = run("read").second["text"];
+  for (const auto& [from, to] : std::map<std::string, std::string>{
+           {"postgresql://", "postgresql:\\x2f/"}, {"# password:", "# it is"}}) {
+    std::string text = shown;
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_FALSE(run("check", {{"text", text}}).second["faults"].empty()) << text;
+    EXPECT_EQ(deploy(text).first, 400u) << text;
+    EXPECT_EQ(file(), before);
+  }
+}
+
 TEST_F(ConfigurationDraft, AProbeThatCannotRunIsRefused) {
   const std::string text = std::string(kText) + kMeter;
   const auto probe = [&](const std::string& draft, const char* bus, const char* device) {

@@ -60,5 +60,16 @@ TEST(HiddenSecretsTest, AnotherNumberIsRefused) {
   EXPECT_FALSE(with_secrets("a: __HIDDEN__", "a: b"));
 }
 
+// Every reader of the file would see a password that without_secrets() does not recognize.
+TEST(HiddenSecretsTest, APlaceWhereThePasswordWouldBeShownIsRefused) {
+  constexpr const char* kUrl = "url: \"postgres://x:one@h/d\"";
+  EXPECT_EQ(with_secrets("url: \"postgres://x:__HIDDEN__@h/d\" # more", kUrl).value(),
+            std::string(kUrl) + " # more");
+  for (const char* draft :
+       {"url: \"postgres:\\x2f/x:__HIDDEN__@h/d\"", "url: \"postgres:\\\n  //x:__HIDDEN__@h/d\"",
+        "# __HIDDEN__", "a: __HIDDEN__"})
+    EXPECT_FALSE(with_secrets(draft, kUrl)) << draft;
+}
+
 }  // namespace
 }  // namespace fieldcast::configure
