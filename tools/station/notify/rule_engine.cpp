@@ -80,7 +80,9 @@ void RuleEngine::settle(std::size_t rule, const AlarmKey& alarm, const Seen& see
   const AlarmStatus& status = seen.status;
   if (is_pending(status)) {
     const UtcTime occurrence = status.raised_at.nanoseconds != 0 ? status.raised_at : seen.at;
-    const bool later = occurrence > progress.occurrence;
+    // The clock of the bridge may have been set back since an occurrence that is closed.
+    const bool later = progress.state == State::kClosed ? occurrence != progress.occurrence
+                                                        : occurrence > progress.occurrence;
     const bool told = progress.state != State::kOpen || progress.returned != Return::kNone;
     if (later && status.active && (told || !continues)) {
       progress = {.rule = progress.rule, .alarm = alarm, .occurrence = occurrence};

@@ -235,6 +235,23 @@ TEST(RuleEngine, AnAlarmRaisedAgainIsANewOne) {
   EXPECT_THAT(rig.pass(minutes{1}), ElementsAre("raised crew"));
 }
 
+// Regression: it was silent until the clock reached the time of the closed occurrence.
+TEST(RuleEngine, AnAlarmIsSentAgainAfterTheClockWasSetBack) {
+  Rig rig({rule()});
+  rig.raise();
+  EXPECT_THAT(rig.pass(minutes{1}), ElementsAre("raised crew"));
+  rig.acknowledge();
+  rig.clear();
+  EXPECT_THAT(rig.pass(minutes{1}), IsEmpty());
+  rig.now.nanoseconds -= Duration{hours{2}}.count();
+  rig.tell();
+  EXPECT_THAT(rig.pass(minutes{1}), IsEmpty());
+  rig.raise();
+  EXPECT_THAT(rig.pass(minutes{1}), ElementsAre("raised crew"));
+  rig.restart();
+  EXPECT_THAT(rig.pass(minutes{1}), IsEmpty());
+}
+
 TEST(RuleEngine, WaitsForTheHours) {
   NotifyRule night = rule();
   night.hours = {*hours_from("18:00-06:00")};
