@@ -87,6 +87,9 @@ void AlarmTable::publish_again(const std::string& bus) {
     const std::lock_guard lock(mutex_);
     const std::vector<AlarmKey> keys = book_.known_of(bus);
     known.insert(keys.begin(), keys.end());
+    for (const auto& [alarm, status] : ended_) {
+      if (alarm.bus == bus) known.insert(alarm);
+    }
   }
   publish(known);
 }
@@ -101,7 +104,9 @@ void AlarmTable::publish(const std::set<AlarmKey>& changed) {
 std::optional<AlarmStatus> AlarmTable::status_of(const AlarmKey& alarm) const {
   const std::lock_guard lock(mutex_);
   const AlarmStatus* status = book_.find(alarm);
-  return status == nullptr ? std::nullopt : std::optional(*status);
+  if (status != nullptr) return *status;
+  const auto ended = ended_.find(alarm);
+  return ended == ended_.end() ? std::nullopt : std::optional(ended->second);
 }
 
 std::vector<AlarmRecord> AlarmTable::configure(const std::vector<BusSpec>& buses, UtcTime now) {
@@ -109,6 +114,10 @@ std::vector<AlarmRecord> AlarmTable::configure(const std::vector<BusSpec>& buses
   std::set<AlarmKey> changed;
   {
     const std::lock_guard lock(mutex_);
+    std::erase_if(ended_, [&](const auto& each) {
+      return book_.find(each.first) != nullptr ||
+             std::ranges::find(buses, each.first.bus, &BusSpec::name) == buses.end();
+    });
     ended = end(book_.configure(buses), now);
     changed = take_changes();
   }
@@ -116,11 +125,18 @@ std::vector<AlarmRecord> AlarmTable::configure(const std::vector<BusSpec>& buses
   return ended;
 }
 
-std::vector<AlarmRecord> AlarmTable::end(const std::vector<KeptAlarm>& ended, UtcTime now) {
+std::vector<AlarmRecord> AlarmTable::end(std::vector<KeptAlarm> ended, UtcTime now) {
   std::vector<AlarmRecord> records;
-  for (const KeptAlarm& each : ended) {
-    records.push_back(record_of(each.alarm, AlarmState::kClear, each.status.value, now));
-    if (sink_) sink_->put(records.back());
+  for (auto& [alarm, status] : ended) {
+    if (status.active) {
+      records.push_back(record_of(alarm, AlarmState::kClear, status.value, now));
+      if (sink_) sink_->put(records.back());
+    }
+    if (status.active || status.cleared_at.nanoseconds == 0) status.cleared_at = now;
+    status.active = false;
+    status.stage = AlarmStage::kClear;
+    status.shelved = status.suppressed = {};
+    ended_[alarm] = std::move(status);
   }
   return records;
 }

@@ -36,6 +36,7 @@ class AlarmTable {
   void close(AlarmSink* sink);
 
   // Called for each alarm whose status changed or that was removed; status_of() returns the status.
+  // An alarm that was not normal when its limit was removed has its end as the status.
   // Must only post. Not called after publish_with({}) has returned.
   using Publish = std::function<void(const AlarmKey& alarm)>;
   void publish_with(Publish publish);
@@ -60,7 +61,8 @@ class AlarmTable {
  private:
   // The next functions REQUIRE: mutex_ held.
   void enter(const AlarmRecord& record, UtcTime now);
-  std::vector<AlarmRecord> end(const std::vector<KeptAlarm>& ended, UtcTime now);
+  // Returns the records of those that were active.
+  std::vector<AlarmRecord> end(std::vector<KeptAlarm> ended, UtcTime now);
   // Returns the changes for publish(), after passing them to the store.
   [[nodiscard]] std::set<AlarmKey> take_changes();
 
@@ -68,6 +70,7 @@ class AlarmTable {
 
   mutable std::mutex mutex_;
   AlarmRegistry book_;
+  std::map<AlarmKey, AlarmStatus> ended_;  // whose limit was removed before they were normal
   std::vector<AlarmRecord> held_;
   AlarmSink* sink_ = nullptr;
   bool loading_ = false;

@@ -74,7 +74,7 @@ std::vector<KeptAlarm> AlarmRegistry::forget_others() {
       continue;
     }
     changed(life->first);
-    if (life->second.status().active) ended.push_back({life->first, life->second.status()});
+    if (!life->second.status().is_normal()) ended.push_back({life->first, life->second.status()});
     life = lives_.erase(life);
   }
   for (const auto& [device, pause] : maintenance_) suppress(device, pause);
@@ -100,13 +100,16 @@ std::vector<KeptAlarm> AlarmRegistry::restore_at(const Buses& buses, const KeptA
   std::erase_if(maintenance_, [&](const auto& each) { return buses.contains(each.first.first); });
   std::map<AlarmKey, std::vector<UtcTime>> occurrences;
   for (const auto& [alarm, at] : kept.occurrences) occurrences[alarm].push_back(at);
-  std::vector<KeptAlarm> ended;
+  std::map<AlarmKey, AlarmStatus> ended;
   std::set<AlarmKey> active;
   for (const KeptAlarm& each : kept.active) {
     if (!buses.contains(each.alarm.bus)) continue;
     if (!has_limit(each.alarm)) {
-      ended.push_back(each);
-      news_.to_keep.insert(each.alarm);
+      AlarmStatus& status = ended[each.alarm];
+      status.active = true;
+      status.value = each.status.value;
+      status.raised_at = each.status.raised_at;
+      changed(each.alarm);
     } else {
       active.insert(each.alarm);
     }
@@ -114,7 +117,12 @@ std::vector<KeptAlarm> AlarmRegistry::restore_at(const Buses& buses, const KeptA
   for (const KeptAlarm& each : kept.states) {
     if (!buses.contains(each.alarm.bus)) continue;
     if (!has_limit(each.alarm)) {
-      news_.to_keep.insert(each.alarm);
+      const bool is_active = ended.contains(each.alarm);
+      if (is_active || !each.status.is_normal()) {
+        ended[each.alarm] = each.status;
+        ended[each.alarm].active = is_active;
+      }
+      changed(each.alarm);
       continue;
     }
     AlarmLife& life = life_of(each.alarm);
@@ -140,7 +148,9 @@ std::vector<KeptAlarm> AlarmRegistry::restore_at(const Buses& buses, const KeptA
     if (buses.contains(each.device.first) && each.pause.is_set())
       suppress(each.device, maintenance_[each.device] = each.pause);
   }
-  return ended;
+  std::vector<KeptAlarm> all;
+  for (auto& [alarm, status] : ended) all.push_back({alarm, std::move(status)});
+  return all;
 }
 
 AlarmLife& AlarmRegistry::life_of(const AlarmKey& alarm) {

@@ -68,11 +68,12 @@ class AlarmRegistry {
   static constexpr Duration kLongestShelving = std::chrono::hours{24};
   static constexpr Duration kLongestMaintenance = std::chrono::hours{7 * 24};
 
-  // Sets the limits. Removes alarms of own buses without a limit and returns the active ones.
+  // Sets the limits. Removes alarms of own buses without a limit and returns those that were not
+  // normal.
   std::vector<KeptAlarm> configure(const std::vector<BusSpec>& buses);
   [[nodiscard]] bool has_limit(const AlarmKey& alarm) const { return limits_.contains(alarm); }
 
-  // Replaces all alarms. Returns the active ones whose limit was removed meanwhile.
+  // Replaces all alarms. Returns those that are not normal and whose limit was removed meanwhile.
   std::vector<KeptAlarm> restore(const KeptAlarms& kept, UtcTime now);
   // As above for one bus, which another bridge has served meanwhile.
   std::vector<KeptAlarm> restore(const std::string& bus, const KeptAlarms& kept, UtcTime now);

@@ -107,6 +107,10 @@ struct AlarmStatus {
   AlarmPause shelved;
   AlarmPause suppressed;  // its device is in maintenance
   [[nodiscard]] UtcTime since() const { return active ? raised_at : cleared_at; }
+  // Neither exceeded, nor unacknowledged, shelved or suppressed.
+  [[nodiscard]] bool is_normal() const {
+    return stage == AlarmStage::kClear && !active && !shelved.is_set() && !suppressed.is_set();
+  }
   friend bool operator==(const AlarmStatus&, const AlarmStatus&) = default;
 };
 

@@ -103,6 +103,9 @@ TEST_F(BridgeAlarms, UserActionsOutliveTheBridge) {
     ASSERT_TRUE(bridge.reload(spec));
     EXPECT_TRUE(gone.newest([](const StationAlarmStatus& last) { return last.alarm.bus == "one"; }))
         << "a limit that is taken away has no alarm";
+    ASSERT_TRUE(becomes("one", AlarmStage::kClear)) << "its end is published";
+    EXPECT_FALSE(one.last().active);
+    EXPECT_NE(one.last().cleared_at.nanoseconds, 0);
   }
   const auto connection = open_store(StoreAddress(spec.store->address), IfMissing::kFail);
   std::vector<std::string> log, audit;

@@ -60,6 +60,13 @@ std::vector<BusSpec> buses(const std::vector<std::string>& names, bool limit = t
 
 constexpr UtcTime kNow{1000};
 
+AlarmAction acknowledge(const std::string& bus) {
+  AlarmAction action;
+  action.alarm = {bus, "plc", "level", LimitKind::kHigh};
+  action.by = "anna";
+  return action;
+}
+
 TEST(AlarmTable, KeepsEachBeginningOnceAndEachEndOnce) {
   RecordingStore store;
   AlarmTable table;
@@ -117,6 +124,48 @@ TEST(AlarmTable, WhatTheConfigurationLostWhileTheBridgeWasDownEndsAndOtherBridge
   table.loaded(store, active({alarm("a", "active", 10), alarm("of another bridge", "active", 20)}));
   ASSERT_EQ(store.records.size(), 1u);
   EXPECT_THAT(store.records[0], testing::StartsWith("a/level high clear "));
+  const auto status = table.status_of({"a", "plc", "level", LimitKind::kHigh});
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->stage, AlarmStage::kClear);
+  EXPECT_EQ(status->raised_at.nanoseconds, 10);
+  EXPECT_NE(status->cleared_at.nanoseconds, 0);
+  EXPECT_FALSE(table.status_of({"of another bridge", "plc", "level", LimitKind::kHigh}));
+}
+
+// Regression: stations learned only that its instance was disposed, as when a bridge stops.
+TEST(AlarmTable, TheEndOfAnAlarmWhoseLimitIsRemovedIsPublishedAlsoByARestartedBus) {
+  AlarmTable table;
+  std::vector<std::string> published;
+  table.publish_with([&](const AlarmKey& alarm) {
+    const auto status = table.status_of(alarm);
+    published.push_back(alarm.bus + ' ' + (status ? std::string(to_text(status->stage)) : "none"));
+  });
+  const AlarmKey key{"a", "plc", "level", LimitKind::kHigh};
+  (void)table.configure(buses({"a", "b"}), kNow);
+  table.note(alarm("a", "active", 10));
+  table.note(alarm("b", "active", 10));
+  table.note(alarm("b", "clear", 20));
+  AlarmAction shelve = acknowledge("a");
+  shelve.kind = AlarmActionKind::kShelve;
+  shelve.duration = std::chrono::minutes{30};
+  ASSERT_TRUE(table.act(shelve, kNow));
+  published.clear();
+  (void)table.configure(buses({"a"}, false), {2000});
+  EXPECT_THAT(published, ElementsAre("a clear", "b clear")) << "b was not acknowledged";
+  const auto status = table.status_of(key);
+  ASSERT_TRUE(status);
+  EXPECT_TRUE(status->is_normal());
+  EXPECT_EQ(status->raised_at.nanoseconds, 10);
+  EXPECT_EQ(status->cleared_at.nanoseconds, 2000);
+  published.clear();
+  table.publish_again("a");
+  EXPECT_THAT(published, ElementsAre("a clear"));
+  (void)table.configure(buses({"a"}), kNow);
+  table.note(alarm("a", "active", 3000));
+  EXPECT_EQ(table.status_of(key)->stage, AlarmStage::kUnacknowledged);
+  (void)table.configure(buses({"c"}), kNow);
+  (void)table.configure(buses({"c"}), kNow);
+  EXPECT_FALSE(table.status_of(key)) << "its bus was removed";
 }
 
 TEST(AlarmTable, WithoutAStoreAlarmsGoOnOverReloads) {
@@ -137,13 +186,6 @@ TEST(AlarmTable, WhatIsHeldGoesToAStoreThatNeverOpened) {
   EXPECT_THAT(store.take(), IsEmpty());
   table.close(&store);
   EXPECT_THAT(store.take(), ElementsAre("a/level high active 10"));
-}
-
-AlarmAction acknowledge(const std::string& bus) {
-  AlarmAction action;
-  action.alarm = {bus, "plc", "level", LimitKind::kHigh};
-  action.by = "anna";
-  return action;
 }
 
 TEST(AlarmTable, UserActionsAreKeptAndPublished) {

@@ -312,7 +312,10 @@ TEST(AlarmRegistry, AnAlarmThatIsNoLongerActiveInTheStoreHasEnded) {
   KeptAlarms kept;
   for (const AlarmKey& each : {alarm, taken_away}) kept.states.push_back({each, kept_status});
   kept.maintenance.push_back({{"of another bridge", "press-1"}, {"bo", "", after(1s), after(2h)}});
-  EXPECT_TRUE(registry.restore(kept, after(5s)).empty());
+  const auto ended = registry.restore(kept, after(5s));
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].alarm, taken_away);
+  EXPECT_FALSE(ended[0].status.active);
   ASSERT_NE(registry.find(alarm), nullptr);
   EXPECT_EQ(registry.find(alarm)->stage, AlarmStage::kClear);
   EXPECT_FALSE(registry.find(alarm)->active);
