@@ -6,6 +6,7 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <utility>
 
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -46,33 +47,66 @@ BlockSubscription::~BlockSubscription() {
   }
   news_.notify_one();
   thread_.join();
-  if (blocks_ != nullptr) domain_.remove(blocks_);
-  if (requests_ != nullptr) domain_.remove(requests_);
+  additions_.push_back({.blocks = blocks_, .requests = requests_});
+  for (const Addition& each : additions_) {
+    if (each.blocks != nullptr) domain_.remove(each.blocks);
+    if (each.requests != nullptr) domain_.remove(each.requests);
+  }
   domain_.remove(catalogue_);
 }
 
 void BlockSubscription::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                                            OnGone gone) {
-  const std::lock_guard lock(mutex_);
-  handlers_.channel = std::move(on_channel);
-  channel_gone_ = std::move(gone);
-  for (const auto& [name, bus] : buses_) bus.table.replay({.channel = handlers_.channel});
+  add({.on_channel = std::move(on_channel), .gone = std::move(gone)});
 }
 
 void BlockSubscription::subscribe_samples(std::function<void(const StationSample&)> on_sample,
                                           OnGone gone) {
-  const std::lock_guard lock(mutex_);
-  handlers_.sample = std::move(on_sample);
-  sample_gone_ = std::move(gone);
-  requests_ = domain_.writer(kSnapshotRequestTopic, station_);
-  blocks_ = domain_.reader(kSampleBlockTopic, this, dds::StatusMask::data_available());
+  dds::DataWriter* const requests = domain_.writer(kSnapshotRequestTopic, station_);
+  dds::DataReader* blocks = nullptr;
+  try {
+    blocks = domain_.reader(kSampleBlockTopic, this, dds::StatusMask::data_available());
+  } catch (const DdsError&) {
+    domain_.remove(requests);
+    throw;
+  }
+  add({.on_sample = std::move(on_sample),
+       .gone = std::move(gone),
+       .blocks = blocks,
+       .requests = requests});
+}
+
+void BlockSubscription::add(Addition addition) {
+  {
+    const std::lock_guard lock(news_mutex_);
+    additions_.push_back(std::move(addition));
+  }
+  wake();
+}
+
+void BlockSubscription::install(Addition addition) {
+  if (addition.blocks == nullptr) {
+    handlers_.channel = std::move(addition.on_channel);
+    channel_gone_ = std::move(addition.gone);
+    for (const auto& [name, bus] : buses_) bus.table.replay({.channel = handlers_.channel});
+    return;
+  }
+  handlers_.sample = std::move(addition.on_sample);
+  sample_gone_ = std::move(addition.gone);
+  requests_ = addition.requests;
+  blocks_ = addition.blocks;
 }
 
 BlockSubscription::Counters BlockSubscription::counters() const {
-  const std::lock_guard lock(mutex_);
-  Counters counters = counters_;
+  const std::lock_guard lock(news_mutex_);
+  return counters_;
+}
+
+void BlockSubscription::count() {
+  Counters counters{.blocks = taken_, .requests = requested_};
   for (const auto& [name, bus] : buses_) counters.missing += bus.table.missing();
-  return counters;
+  const std::lock_guard lock(news_mutex_);
+  counters_ = counters;
 }
 
 void BlockSubscription::on_data_available(dds::DataReader*) { wake(); }
@@ -100,6 +134,7 @@ void BlockSubscription::run() {
   std::optional<Instant> due;
   while (true) {
     std::vector<Match> matches;
+    std::vector<Addition> additions;
     {
       std::unique_lock lock(news_mutex_);
       const auto ready = [this] { return fresh_ || ending_; };
@@ -111,14 +146,16 @@ void BlockSubscription::run() {
       if (ending_) return;
       fresh_ = false;
       matches.swap(matches_);
+      additions.swap(additions_);
     }
-    const std::lock_guard lock(mutex_);
+    for (Addition& addition : additions) install(std::move(addition));
     const std::vector<Known> ended = take_catalogue();
     take_blocks();  // before the ends: a bus that stops writes its last block before its end
     for (const Known& known : ended) gone(known);
     for (const Match& match : matches) match.came ? return_of(match.writer) : end_of(match.writer);
     ask_for_snapshots(now_steady());
     due = next_request();
+    count();
   }
 }
 
@@ -148,7 +185,7 @@ void BlockSubscription::take_blocks() {
   dds::SampleInfo info;
   while (blocks_->take_next_sample(&block_, &info) == ReturnCode_t::RETCODE_OK) {
     if (!info.valid_data) continue;
-    ++counters_.blocks;
+    ++taken_;
     bus_of(block_.bus().c_str()).table.on_samples(block_, handlers_);
   }
 }
@@ -198,7 +235,7 @@ void BlockSubscription::ask_for_snapshots(Instant now) {
     request.bus() = cut_text(name, kMaxNameLength);
     request.station() = cut_text(station_, 128);
     requests_->write(&request);
-    ++counters_.requests;
+    ++requested_;
   }
 }
 

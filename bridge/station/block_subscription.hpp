@@ -1,6 +1,7 @@
 // A station's subscription to SampleBlock and CatalogueBlock: reports channels and samples, and
 // requests a snapshot if blocks were lost. DDS only wakes its own thread, which calls the handlers,
-// one at a time. Any one thread; a late handler first receives the known state there.
+// one at a time; a late handler first receives the known state there. Any thread, also a handler of
+// another subscription for which that thread waits: no function waits for a handler.
 #pragma once
 
 #include <condition_variable>
@@ -27,7 +28,7 @@ class BlockSubscription : private dds::DataReaderListener {
   BlockSubscription(const BlockSubscription&) = delete;
   BlockSubscription& operator=(const BlockSubscription&) = delete;
 
-  // Call each at most once.
+  // Call each at most once. Throws DdsError.
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone);
   void subscribe_samples(std::function<void(const StationSample&)> on_sample, OnGone gone);
 
@@ -36,7 +37,7 @@ class BlockSubscription : private dds::DataReaderListener {
     std::uint64_t missing = 0;   // lost blocks: the station was too slow for them
     std::uint64_t requests = 0;  // requests for snapshots
   };
-  [[nodiscard]] Counters counters() const;  // any thread
+  [[nodiscard]] Counters counters() const;  // up to the last call of a handler
 
  private:
   // Wait for a snapshot, from its request or the discovery of the bus, before the next request.
@@ -60,12 +61,24 @@ class BlockSubscription : private dds::DataReaderListener {
     idl::CatalogueBlock block;
   };
 
+  // Handlers that the thread installs: either of channels, or of samples with their endpoints.
+  struct Addition {
+    std::function<void(const StationChannel&)> on_channel;
+    std::function<void(const StationSample&)> on_sample;
+    OnGone gone;
+    dds::DataReader* blocks = nullptr;
+    dds::DataWriter* requests = nullptr;
+  };
+
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader* reader,
                                const dds::SubscriptionMatchedStatus& status) override;
   void wake();
+  void add(Addition addition);
   void run();
-  // REQUIRES for all: mutex_ held.
+  // The next functions and members are used by the thread.
+  void install(Addition addition);
+  void count();
   [[nodiscard]] std::vector<Known> take_catalogue();  // returns what ended
   void take_blocks();
   void end_of(const dds::InstanceHandle_t& writer);
@@ -77,11 +90,6 @@ class BlockSubscription : private dds::DataReaderListener {
   [[nodiscard]] static bool is_behind(Bus& bus, Instant now);
   [[nodiscard]] std::optional<Instant> next_request() const;
 
-  Domain& domain_;
-  const std::string station_;
-
-  // Protects the state, and is held while handlers run, which may call this object.
-  mutable std::recursive_mutex mutex_;
   BusTable::Handlers handlers_;
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;
@@ -90,11 +98,15 @@ class BlockSubscription : private dds::DataReaderListener {
   LostInstances<Known> lost_{kMostLost};
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;
-  Counters counters_;
-  dds::DataReader* blocks_ = nullptr;  // null: no subscription to samples
+  std::uint64_t taken_ = 0, requested_ = 0;  // blocks, snapshots
+  dds::DataReader* blocks_ = nullptr;        // null: no subscription to samples
   dds::DataWriter* requests_ = nullptr;
 
-  std::mutex news_mutex_;  // protects the members below; never held while DDS is called
+  Domain& domain_;
+  const std::string station_;
+
+  // Protects the members below; never held while DDS or a handler is called.
+  mutable std::mutex news_mutex_;
   std::condition_variable news_;
   bool fresh_ = false, ending_ = false;
   struct Match {
@@ -102,6 +114,8 @@ class BlockSubscription : private dds::DataReaderListener {
     bool came;                     // false: it left
   };
   std::vector<Match> matches_;
+  std::vector<Addition> additions_;
+  Counters counters_;
 
   dds::DataReader* catalogue_ = nullptr;
   std::thread thread_;  // last member: it uses the members above

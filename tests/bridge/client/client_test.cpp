@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <map>
+#include <thread>
 
 #include "fieldcast/station.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
@@ -90,6 +91,35 @@ TEST_F(Client, AHandlerMayUseTheStation) {
   });
   publish({good(0, 1.0)});
   EXPECT_TRUE(eventually([&] { return channels.size() == 2 && lost.size() == 1; }));
+}
+
+// Regression: this thread held the turn of the handler and waited for the thread of the station,
+// which waited for the turn.
+TEST_F(Client, AHandlerMayUseTheStationWhileItReceivesTheKnownValues) {
+  std::atomic<bool> ended = false;
+  std::thread publisher([&] {
+    for (std::uint64_t i = 1; !ended; ++i) {
+      publish({good(0, static_cast<double>(i), i)});
+      std::this_thread::sleep_for(1ms);
+    }
+  });
+  for (int round = 0; round < 20; ++round) {
+    api::Station station{"client", domain_of(loopback())};
+    std::atomic<int> samples = 0, channels = 0;
+    const auto first = station.subscribe("*", [&](const api::Sample&) { ++samples; });
+    EXPECT_TRUE(eventually([&] { return samples > 0; }));
+    api::Subscription catalogue;
+    const auto second = station.subscribe("*", [&](const api::Sample&) {
+      if (catalogue) return;
+      const int before = samples;
+      (void)eventually([&] { return samples > before; });  // and then waits for this handler
+      (void)station.lost_blocks();
+      catalogue = station.catalogue("*", [&](const api::Channel&) { ++channels; });
+    });
+    EXPECT_TRUE(eventually([&] { return channels == 2; }));
+  }
+  ended = true;
+  publisher.join();
 }
 
 TEST_F(Client, ReceivesTheCatalogueAndItsBridge) {
