@@ -260,19 +260,23 @@ void Forwarder::collect(bool all) {
   std::vector<Gathered> batches;
   std::vector<NumberedAlarm> alarms;
   std::vector<AuditReport> audit;
+  std::vector<std::vector<GapChange>> fetched;
   {
     const std::lock_guard lock(mutex_);
     batches = gatherer_.take(steady_now(), all);
     alarms = std::exchange(alarms_, {});
     audit = std::exchange(audit_, {});
+    fetched = std::exchange(fetched_, {});
   }
   for (Gathered& gathered : batches) {
     for (Gap& gap : gathered.gaps) open(std::move(gap));
     if (gathered.catalogue) records_.push_back(record_of(spec_.site, *gathered.catalogue));
     records_.push_back(record_of(gathered.batch));
+    records_.back().is_late = gathered.is_late;
     std::move(gathered.positions.begin(), gathered.positions.end(), std::back_inserter(positions_));
   }
-  collect_fetched();
+  for (std::vector<GapChange>& changes : fetched)
+    std::move(changes.begin(), changes.end(), std::back_inserter(gaps_));
   for (const auto& [alarm, position] : alarms) {
     records_.push_back(record_of(spec_.site, alarm, position));
     positions_.push_back({to_text(alarm.alarm), position});
@@ -289,21 +293,6 @@ void Forwarder::open(Gap gap) {
     gaps_.push_back({std::move(gap)});
   } else {
     ++refused_gaps_;
-  }
-}
-
-// Fetched samples become records.
-void Forwarder::collect_fetched() {
-  const std::lock_guard lock(mutex_);
-  for (GapTable::Progress& progress : std::exchange(fetched_, {})) {
-    for (Fetched& part : progress.fetched) {
-      auto late = gatherer_.late_batch(std::move(part));
-      if (!late) continue;
-      if (late->catalogue) records_.push_back(record_of(spec_.site, *late->catalogue));
-      records_.push_back(record_of(late->batch));
-      records_.back().is_late = true;
-    }
-    std::move(progress.changes.begin(), progress.changes.end(), std::back_inserter(gaps_));
   }
 }
 
@@ -332,8 +321,11 @@ bool Forwarder::fetch_part() {
   if (!request) return false;
   auto response = station_->history(*request);
   const std::lock_guard lock(mutex_);
-  if (!response) {
-    if (response.error() == StationFault::kNoRight && !std::exchange(is_right_reported_, true))
+  // A bus may be removed while the response is sent, for example by a reload. Its samples have no
+  // channels until it is announced again.
+  if (!response || !gatherer_.has_bus(request->bus)) {
+    if (!response && response.error() == StationFault::kNoRight &&
+        !std::exchange(is_right_reported_, true))
       log_warning("fetch", Station::kNoHistoryRight);
     open_gaps_.on_failure(request->bus, steady_now());
     return true;
@@ -349,7 +341,8 @@ bool Forwarder::fetch_part() {
     log_info("fetch", fmt::format("{} missing samples were fetched from the stores of bridges",
                                   std::exchange(fetched_samples_, 0)));
   }
-  fetched_.push_back(std::move(progress));
+  for (Fetched& part : progress.fetched) gatherer_.on_fetched(std::move(part));
+  fetched_.push_back(std::move(progress.changes));
   return true;
 }
 

@@ -78,7 +78,6 @@ class Forwarder {
   // As many responses as possible wait for the thread `gather`.
   [[nodiscard]] bool is_full() const;
   void open(Gap gap);
-  void collect_fetched();
 
   const ForwardSpec spec_;
   Queue queue_;
@@ -86,10 +85,11 @@ class Forwarder {
 
   mutable std::mutex mutex_;  // protects the members below, to lost_alarms_
   GapTable open_gaps_;
-  std::vector<GapTable::Progress> fetched_;  // for the thread `gather`
-  std::uint64_t refused_gaps_ = 0;           // since the last report
-  std::uint64_t fetched_samples_ = 0;        // since the last report
-  bool is_right_reported_ = false;           // that this program may not fetch samples
+  // Of each response whose samples wait for the thread `gather`.
+  std::vector<std::vector<GapChange>> fetched_;
+  std::uint64_t refused_gaps_ = 0;     // since the last report
+  std::uint64_t fetched_samples_ = 0;  // since the last report
+  bool is_right_reported_ = false;     // that this program may not fetch samples
   Gatherer gatherer_;
   std::vector<NumberedAlarm> alarms_;
   std::vector<AuditReport> audit_;

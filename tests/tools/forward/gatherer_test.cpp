@@ -206,15 +206,44 @@ TEST_F(GathererTest, ADeviceIsAnnouncedWhileItHasAChannel) {
 
 TEST_F(GathererTest, AFetchedBatchHasTheCatalogueButNoPosition) {
   announce({"a", "b"});
-  const auto late =
-      gatherer.late_batch({"line", "press", 6, {{"b", {.number = {6, 4}}}, {"unknown", {}}}});
-  ASSERT_TRUE(late);
-  EXPECT_TRUE(late->catalogue);
-  EXPECT_TRUE(late->positions.empty());
-  EXPECT_EQ(late->batch.epoch, 6u);
-  ASSERT_EQ(late->batch.samples.size(), 1u);
-  EXPECT_EQ(late->batch.samples[0].channel, 1u);
-  EXPECT_FALSE(gatherer.late_batch({"line", "removed", 6, {{"a", {}}}}));
+  gatherer.on_fetched({"line", "press", 6, {{"b", {.number = {6, 4}}}, {"unknown", {}}}});
+  gatherer.on_fetched({"line", "removed", 6, {{"a", {}}}});
+  const auto taken = gatherer.take(kStart);
+  ASSERT_EQ(taken.size(), 1u);
+  const Gathered& late = taken[0];
+  EXPECT_TRUE(late.is_late);
+  EXPECT_TRUE(late.catalogue);
+  EXPECT_TRUE(late.positions.empty());
+  EXPECT_EQ(late.batch.epoch, 6u);
+  ASSERT_EQ(late.batch.samples.size(), 1u);
+  EXPECT_EQ(late.batch.samples[0].channel, 1u);
+}
+
+TEST_F(GathererTest, TheCatalogueIsWithTheFirstBatchThatNeedsIt) {
+  announce({"a"});
+  gatherer.on_sample(sample("a", 5), kStart);
+  gatherer.on_fetched({"line", "press", 7, {{"a", {.number = {7, 4}}}}});
+  const auto taken = gatherer.take(kStart, true);
+  ASSERT_EQ(taken.size(), 2u);
+  EXPECT_TRUE(taken[0].is_late && taken[0].catalogue);
+  EXPECT_FALSE(taken[1].is_late || taken[1].catalogue);
+}
+
+TEST_F(GathererTest, AFetchedSampleIsKeptWhenItsBusIsRemoved) {
+  announce({"a"});
+  gatherer.on_fetched({"line", "press", 7, {{"a", {.number = {7, 4}}}}});
+  gatherer.on_channel_removed("line", "press", "a");
+  EXPECT_EQ(gatherer.take(kStart).size(), 1u);
+}
+
+TEST_F(GathererTest, ABusIsAnnouncedWhileItHasAChannel) {
+  EXPECT_FALSE(gatherer.has_bus("line"));
+  announce({"a"});
+  EXPECT_TRUE(gatherer.has_bus("line"));
+  EXPECT_FALSE(gatherer.has_bus("lin"));
+  EXPECT_FALSE(gatherer.has_bus("line2"));
+  gatherer.on_channel_removed("line", "press", "a");
+  EXPECT_FALSE(gatherer.has_bus("line"));
 }
 
 }  // namespace

@@ -124,9 +124,14 @@ void Gatherer::end_batch(Device& device) {
   ended_.push_back(std::move(gathered));
 }
 
-std::optional<Gathered> Gatherer::late_batch(Fetched fetched) {
+bool Gatherer::has_bus(const std::string& bus) const {
+  const auto first = devices_.lower_bound(bus + '/');
+  return first != devices_.end() && first->first.starts_with(bus + '/');
+}
+
+void Gatherer::on_fetched(Fetched fetched) {
   Device* const of = device_of(fetched.bus, fetched.device);
-  if (of == nullptr) return std::nullopt;
+  if (of == nullptr) return;
   SampleBatch batch{fetched.bus, fetched.device, fetched.epoch, 0, {}};
   for (auto& [name, row] : fetched.samples) {
     const auto channel = of->find(name);
@@ -134,8 +139,10 @@ std::optional<Gathered> Gatherer::late_batch(Fetched fetched) {
     batch.samples.push_back({*channel, row.number.sequence, row.acquired_at, std::move(row.value),
                              row.quality, row.device_code});
   }
-  if (batch.samples.empty()) return std::nullopt;
-  return gathered(*of, std::move(batch));
+  if (batch.samples.empty()) return;
+  pending_ += batch.samples.size();
+  ended_.push_back(gathered(*of, std::move(batch)));
+  ended_.back().is_late = true;
 }
 
 std::vector<Gathered> Gatherer::take(Instant now, bool all) {

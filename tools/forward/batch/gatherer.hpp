@@ -31,6 +31,7 @@ struct Gathered {
   SampleBatch batch;
   std::vector<NamedPosition> positions;  // of the batch's channels, after the batch
   std::vector<Gap> gaps;                 // before samples of the batch
+  bool is_late = false;                  // fetched from a store
 };
 
 class Gatherer {
@@ -52,11 +53,12 @@ class Gatherer {
                           const std::string& channel);
   void on_sample(const StationSample& sample, Instant now);
 
-  // Makes a batch of samples that were fetched from a store. Empty if the device or all channels
-  // were removed.
-  [[nodiscard]] std::optional<Gathered> late_batch(Fetched fetched);
+  // Makes a batch of samples that were fetched from a store. Ignores samples of channels that were
+  // removed.
+  void on_fetched(Fetched fetched);
 
-  // Returns the batches that have ended; with `all`, also those that have not.
+  // Returns the batches that have ended; with `all`, also those that have not. A catalogue is with
+  // the first batch that needs it.
   [[nodiscard]] std::vector<Gathered> take(Instant now, bool all = false);
 
   struct Counters {
@@ -71,6 +73,8 @@ class Gatherer {
   [[nodiscard]] bool has(const std::string& bus, const std::string& device) const {
     return devices_.contains(bus + '/' + device);
   }
+  // Whether a channel of the bus is announced.
+  [[nodiscard]] bool has_bus(const std::string& bus) const;
 
  private:
   struct Channel {
