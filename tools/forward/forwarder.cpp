@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <tuple>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
@@ -185,9 +184,7 @@ void Forwarder::on_audit(const AuditReport& entry) {
   const std::string name = position_name_of(entry);
   const auto known = alarm_positions_.find(name);
   const bool is_new = known == alarm_positions_.end();
-  if (!is_new && std::tie(position.epoch, position.sequence) <=
-                     std::tie(known->second.epoch, known->second.sequence))
-    return;
+  if (!is_new && is_known(known->second, entry)) return;
   if (audit_.size() >= kMaxAlarms || (is_new && alarm_positions_.size() >= kMaxKnownAlarms)) {
     ++lost_alarms_;
     return;

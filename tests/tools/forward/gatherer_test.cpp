@@ -195,6 +195,15 @@ TEST_F(GathererTest, TheGapSinceTheLastRunIsReported) {
               testing::ElementsAre(Gap{"line/press/a", {7, 3}, {7, 8}, {}}));
 }
 
+TEST(Position, AnEntryOfTheAuditIsKnownOnlyInItsEpoch) {
+  const Position known{7, 3};
+  EXPECT_TRUE(is_known(known, {.epoch = 7, .number = 2}));
+  EXPECT_TRUE(is_known(known, {.epoch = 7, .number = 3}));
+  EXPECT_FALSE(is_known(known, {.epoch = 7, .number = 4}));
+  EXPECT_FALSE(is_known(known, {.epoch = 8, .number = 1}));
+  EXPECT_FALSE(is_known(known, {.epoch = 6, .number = 1})) << "the clock was set back";
+}
+
 TEST_F(GathererTest, ADeviceIsAnnouncedWhileItHasAChannel) {
   EXPECT_FALSE(gatherer.has("line", "press"));
   announce({"a", "b"});

@@ -62,6 +62,11 @@ struct Position {
 // earlier state, for example when a user ends its shelving; the count then makes it a new one.
 [[nodiscard]] std::optional<Position> next_position(const Position& known,
                                                     const StationAlarmStatus& alarm);
+// Whether the entry was accepted before. Epochs are not ordered: a bridge that restarts may have an
+// earlier clock.
+[[nodiscard]] inline bool is_known(const Position& known, const AuditReport& entry) {
+  return entry.epoch == known.epoch && entry.number <= known.sequence;
+}
 struct NamedPosition {
   std::string name;  // "bus/device/channel", of an alarm followed by its limit
   Position position;
