@@ -119,8 +119,15 @@ void Forwarder::start() {
   fetcher_.emplace("fetch", 1, [this](BoundedQueue<int>& commands) { fetch(commands); });
 }
 
+// A bridge that is known already has the whole life span.
 StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifespan) {
-  constexpr Duration kFinding = std::chrono::seconds{2}, kResult = std::chrono::seconds{3};
+  StationOutcome outcome = execute(request, CommandTimes{{}, lifespan});
+  if (outcome || outcome.error() != StationFault::kNoBridge) return outcome;
+  return execute(request, times_within(lifespan));
+}
+
+StationOutcome Forwarder::execute(const CommandRequest& request, const CommandTimes& times) {
+  constexpr Duration kResult = std::chrono::seconds{3};
   const ChannelPath& path = request.channel;
   if (const auto kind = alarm_action_of(request.action))
     return station_->execute(
@@ -130,10 +137,10 @@ StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifesp
                     .note = request.note,
                     .duration = std::chrono::minutes{request.minutes},
                     .raised_at = request.raised_at},
-        kFinding, lifespan + kResult);
+        times.finding, times.lifespan + kResult);
   StationCommand command{.bus = path.bus,
                          .command = {.device = path.device, .target = ChannelTarget{path.channel}},
-                         .lifespan = lifespan,
+                         .lifespan = times.lifespan,
                          .person = request.user};
   if (request.action == CentreAction::kAcquire) {
     command.command.operation = Operation::kAcquire;
@@ -141,7 +148,7 @@ StationOutcome Forwarder::execute(const CommandRequest& request, Duration lifesp
     command.command.values = {request.value};
     command.command.verify = request.verify;
   }
-  return station_->execute(std::move(command), kFinding, kResult);
+  return station_->execute(std::move(command), times.finding, kResult);
 }
 
 void Forwarder::subscribe() {

@@ -64,6 +64,7 @@ class Forwarder {
 
   void subscribe();
   [[nodiscard]] StationOutcome execute(const CommandRequest& request, Duration lifespan);
+  [[nodiscard]] StationOutcome execute(const CommandRequest& request, const CommandTimes& times);
   void check_disk() const;
   void on_alarm(const StationAlarmStatus& alarm);
   void on_audit(const AuditReport& entry);

@@ -165,6 +165,19 @@ TEST(CommandRequest, OtherTextIsRefused) {
     EXPECT_FALSE(command_request_from(text, "anna", rules(), kMoment));
 }
 
+TEST(CommandTimes, TheWaitForTheBridgeIsAPartOfTheLifeSpan) {
+  using std::chrono::milliseconds;
+  const auto times = [](int lifespan) {
+    const CommandTimes found = times_within(milliseconds{lifespan});
+    return std::pair(found.finding / milliseconds{1}, found.lifespan / milliseconds{1});
+  };
+  EXPECT_EQ(times(5000), std::pair(2000L, 3000L));
+  EXPECT_EQ(times(3000), std::pair(1500L, 1000L)) << "in whole seconds";
+  EXPECT_EQ(times(2000), std::pair(1000L, 1000L));
+  EXPECT_EQ(times(1000), std::pair(500L, 500L));
+  EXPECT_EQ(times(400), std::pair(200L, 200L));
+}
+
 TEST(CommandResponse, IsJson) {
   const auto json = nlohmann::json::parse(to_json({.id = "8c1f",
                                                    .state = "verified",

@@ -192,6 +192,13 @@ std::string to_json(const CommandRequest& request) {
   return json.text();
 }
 
+CommandTimes times_within(Duration lifespan) {
+  constexpr Duration kFinding = std::chrono::seconds{2};
+  const Duration finding = std::min(kFinding, lifespan / 2), left = lifespan - finding;
+  const Duration seconds = std::chrono::floor<std::chrono::seconds>(left);
+  return {finding, seconds > Duration{} ? seconds : left};
+}
+
 CommandResponse refusal(std::string id, std::string reason) {
   const bool is_expired = reason == "expired";
   return {.id = std::move(id),

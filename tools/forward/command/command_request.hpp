@@ -63,6 +63,14 @@ inline constexpr Duration kMaxCommandLife = std::chrono::minutes{1};
     std::string_view text, std::string_view user, const std::vector<CommandRule>& rules,
     UtcTime now);
 
+// Longest wait for the bridge of a command, and the life span that remains when it was found.
+struct CommandTimes {
+  Duration finding, lifespan;
+};
+// `lifespan`: latest start from now. In whole seconds if possible, because each lifespan has a DDS
+// writer of its own.
+[[nodiscard]] CommandTimes times_within(Duration lifespan);
+
 struct CommandResponse {
   std::string id;
   // "done", "verified", "rejected", "failed", "expired", or "unknown": the write may have been done
