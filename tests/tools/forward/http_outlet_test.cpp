@@ -176,6 +176,19 @@ TEST(HttpOutlet, AFailureAfterARefusalKeepsBothMessages) {
               ElementsAre(Outcome::kFailed, Outcome::kFailed));
 }
 
+// Regression: the forwarder repeated these messages without an end.
+TEST(HttpOutlet, ARefusalWithAnotherStatusIsRecognisedByItsReason) {
+  const HttpServer server([](const std::string& body) {
+    if (body.find("old") == std::string::npos) return Reply{};
+    return Reply{500, "too old sample"};
+  });
+  HttpEngine engine = plain_engine();
+  engine.refusal = "too old sample";
+  HttpOutlet outlet(spec_of(server), std::move(engine), [] {});
+  EXPECT_THAT(outcomes(outlet, records({"old", "new"})),
+              ElementsAre(Outcome::kRefused, Outcome::kAcknowledged));
+}
+
 // Regression: the database was ignored without a word.
 TEST(InfluxdbOutlet, WarnsOfADatabaseBesideABucket) {
   const auto warns = [](const InfluxdbSpec& spec) {

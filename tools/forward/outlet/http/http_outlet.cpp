@@ -86,7 +86,9 @@ HttpOutlet::Written HttpOutlet::write(const std::string& body) {
   }
   if (is_success(response->status)) return Written::kYes;
   reason_ = described(*response);
-  return is_refusal(response->status) ? Written::kRefused : Written::kFailed;
+  const bool is_named =
+      !engine_.refusal.empty() && response->text.find(engine_.refusal) != std::string::npos;
+  return is_named || is_refusal(response->status) ? Written::kRefused : Written::kFailed;
 }
 
 std::optional<std::size_t> HttpOutlet::send(const Record& record) {

@@ -30,6 +30,9 @@ struct HttpEngine {
   // Part of the reason of a server of this engine that refuses a body without data. Empty: none
   // does.
   std::string empty_refusal;
+  // Part of the reason of a server of this engine that refuses data with a status that others use
+  // for a failure. Empty: none does.
+  std::string refusal;
 };
 
 class HttpOutlet final : public Outlet {

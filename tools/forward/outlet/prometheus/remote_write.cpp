@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "schema/remote_write.pb.h"
 
@@ -11,7 +12,9 @@ namespace fieldcast::forward {
 
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
+std::int64_t milliseconds_of(const BatchSample& sample) {
+  return sample.acquired_at.nanoseconds / 1'000'000;
+}
 
 std::optional<double> number_of(const Value& value) {
   if (const bool* boolean = std::get_if<bool>(&value)) return *boolean ? 1.0 : 0.0;
@@ -30,7 +33,7 @@ class Writer {
   Writer(std::string_view site, const SampleBatch& batch) : site_(site), batch_(batch) {}
 
   void add(const BatchSample& sample, const std::string& channel, double value) {
-    const auto at = sample.acquired_at.nanoseconds / kMillisecond;
+    const std::int64_t at = milliseconds_of(sample);
     append(series(sample, channel, "fieldcast_value"), at, value);
     append(series(sample, channel, "fieldcast_sequence"), at, static_cast<double>(sample.sequence));
   }
@@ -72,13 +75,29 @@ class Writer {
 
 }  // namespace
 
-std::string to_write_request(std::string_view site, const SampleBatch& batch,
-                             const DeviceCatalogue& catalogue) {
-  Writer writer(site, batch);
+// A repeated record has the same samples and is encoded again. A server ignores a second late
+// sample of one time by itself.
+bool WriteRequestEncoder::is_first(const SampleBatch& batch, const BatchSample& sample,
+                                   const std::string& channel) {
+  std::string name = batch.bus + '/' + batch.device + '/' + channel + ' ';
+  name += to_text(sample.quality);
+  Last& last = last_[std::move(name)];
+  const std::int64_t at = milliseconds_of(sample);
+  if (at == last.at) return sample.sequence == last.sequence;
+  if (at > last.at) last = {at, sample.sequence};
+  return true;
+}
+
+std::string WriteRequestEncoder::encode(const SampleBatch& batch,
+                                        const DeviceCatalogue& catalogue) {
+  Writer writer(site_, batch);
   for (const BatchSample& sample : batch.samples) {
     const auto value = number_of(sample.value);
-    if (value && sample.channel < catalogue.channels.size())
-      writer.add(sample, catalogue.channels[sample.channel].channel, *value);
+    if (!value || sample.acquired_at.nanoseconds <= 0 ||
+        sample.channel >= catalogue.channels.size())
+      continue;
+    const std::string& channel = catalogue.channels[sample.channel].channel;
+    if (is_first(batch, sample, channel)) writer.add(sample, channel, *value);
   }
   return writer.text();
 }
