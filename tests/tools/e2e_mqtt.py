@@ -111,6 +111,22 @@ class Plain(MqttCase):
         wait_until(lambda: states()[-1] == b"offline", 20, lambda: str(states()))
         self.assertEqual(plant.cli("write", "line/press.1/setpoint=1").code, 0)
 
+    def test_a_device_is_offline_while_its_bridge_does_not_run(self):
+        broker = self.broker()
+        consumer = self.consumer(broker, "fieldcast-status/#")
+        forwarder = self.forwarder(f"mqtt: {{ servers: [mqtt://127.0.0.1:{broker.port}], retain: true }}")
+        forwarder.start()
+
+        def states():
+            return [message.payload for message in consumer.received() if message.topic == "fieldcast-status/north/line/press.1"]
+        wait_until(lambda: states() == [b"online"], 20, self.explained(forwarder, broker))
+        plant.bridge.kill()
+        plant.bridge.wait()
+        wait_until(lambda: states()[-1] == b"offline", 40, self.explained(forwarder, broker))
+        plant.kill_bridge()  # starts it again
+        wait_until(lambda: states()[-1] == b"online", 40, self.explained(forwarder, broker))
+        self.assertEqual(forwarder.stop(), 0, forwarder.log())
+
     def test_tls_checks_both_sides(self):
         def openssl(*arguments):
             subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)

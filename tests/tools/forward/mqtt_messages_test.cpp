@@ -87,6 +87,29 @@ TEST(MqttMessages, AlarmsAndTheStateOfTheSiteHaveTopicsOfTheirOwn) {
   EXPECT_TRUE(messages.status(false).retain);
 }
 
+TEST(MqttMessages, ADeviceIsOfflineWhileNoBridgeAnnouncesIt) {
+  MqttMessages messages = messages_with({});
+  bool is_announced = true;
+  const auto status = [&](bool all = false) {
+    std::vector<std::string> texts;
+    for (const MqttMessage& message : messages.device_status(
+             [&](const std::string&, const std::string&) { return is_announced; }, all)) {
+      EXPECT_TRUE(message.retain);
+      texts.push_back(message.topic + ' ' + message.payload);
+    }
+    return texts;
+  };
+  const std::string topic = "fieldcast-status/north/line/press ";
+  EXPECT_THAT(status(true), ElementsAre()) << "no record yet";
+  ASSERT_TRUE(messages.of(record_of(seconds(0, 1))));
+  EXPECT_THAT(status(), ElementsAre(topic + "online"));
+  EXPECT_THAT(status(), ElementsAre());
+  is_announced = false;
+  EXPECT_THAT(status(), ElementsAre(topic + "offline"));
+  EXPECT_THAT(status(), ElementsAre());
+  EXPECT_THAT(status(true), ElementsAre(topic + "offline")) << "after each connection";
+}
+
 TEST(MqttMessages, ARecordThatCannotBeDecodedHasNone) {
   MqttMessages messages = messages_with({});
   EXPECT_FALSE(messages.of({.body = "\xFF"}));
@@ -117,6 +140,7 @@ TEST(Discovery, DescribesEachChannelAndRemovesThoseThatAreGone) {
   EXPECT_EQ(sensor["unit_of_measurement"], "°C");
   EXPECT_EQ(sensor["device_class"], "temperature");
   EXPECT_EQ(sensor["availability"][0]["topic"], "fieldcast-status/north");
+  EXPECT_EQ(sensor["availability"][1]["topic"], "fieldcast-status/north/line/press");
   EXPECT_TRUE((*made)[1].retain);
   const ParsedJson binary = ParsedJson::parse((*made)[2].payload);
   EXPECT_FALSE(binary.contains("device_class"));

@@ -27,6 +27,8 @@ class Deliveries {
   // All records without a result have failed.
   void fail_all(std::vector<OutletResult>& results);
 
+  // False for a message without a record.
+  [[nodiscard]] bool has(int message) const { return messages_.contains(message); }
   [[nodiscard]] std::size_t messages() const { return messages_.size(); }
   // When the oldest pending message was sent. Empty if there is none.
   [[nodiscard]] std::optional<Instant> oldest();

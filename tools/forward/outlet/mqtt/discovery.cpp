@@ -69,11 +69,13 @@ std::string config_of(const MqttSpec& spec, std::string_view site, const Station
       {"unique_id", id},
       {"state_topic", topic},
       {"availability",
-       std::vector<Json>{Json{{"topic", status_topic(spec.prefix, site)}},
-                         Json{{"topic", topic},
-                              {"value_template",
-                               "{{ 'online' if value_json.quality in ['GOOD', 'UNCERTAIN'] else "
-                               "'offline' }}"}}}},
+       std::vector<Json>{
+           Json{{"topic", status_topic(spec.prefix, site)}},
+           Json{{"topic", device_status_topic(spec.prefix, site, channel.bus, channel.device)}},
+           Json{{"topic", topic},
+                {"value_template",
+                 "{{ 'online' if value_json.quality in ['GOOD', 'UNCERTAIN'] else "
+                 "'offline' }}"}}}},
       {"availability_mode", "all"},
       {"device", Json{{"identifiers", std::vector<std::string>{fmt::format(
                                           "fieldcast_{}_{}_{}", topic_level(site),

@@ -30,6 +30,18 @@ MqttMessage MqttMessages::status(bool is_online) const {
   return {status_topic(spec_.prefix, site_), is_online ? "online" : "offline", 1, true};
 }
 
+std::vector<MqttMessage> MqttMessages::device_status(const IsAnnounced& is_announced, bool all) {
+  std::vector<MqttMessage> messages;
+  for (auto& [name, known] : devices_) {
+    const auto& [bus, device] = name;
+    const bool is_online = is_announced(bus, device);
+    if (std::exchange(known, is_online) == is_online && !all) continue;
+    messages.push_back({device_status_topic(spec_.prefix, site_, bus, device),
+                        is_online ? "online" : "offline", 1, true});
+  }
+  return messages;
+}
+
 MqttMessage MqttMessages::site(const SiteStatus& status) const {
   return {site_topic(spec_.prefix, site_), to_json(status), 1, true};
 }
@@ -41,6 +53,7 @@ std::optional<std::vector<MqttMessage>> MqttMessages::of(const Record& record) {
     case RecordKind::kAudit: return audit(record);
     case RecordKind::kSamples: break;
   }
+  devices_.try_emplace({record.bus, record.device});
   return samples(record);
 }
 

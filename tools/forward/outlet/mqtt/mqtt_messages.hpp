@@ -21,6 +21,9 @@ class MqttMessages {
   [[nodiscard]] std::optional<std::vector<MqttMessage>> of(const Record& record);
   // "online" or "offline" of this site, retained.
   [[nodiscard]] MqttMessage status(bool is_online) const;
+  // "online" or "offline" of each device of earlier records whose announcement has changed since
+  // the last call, retained. With `all`, of each device.
+  [[nodiscard]] std::vector<MqttMessage> device_status(const IsAnnounced& is_announced, bool all);
   // The state of the forwarder, retained.
   [[nodiscard]] MqttMessage site(const SiteStatus& status) const;
 
@@ -33,6 +36,8 @@ class MqttMessages {
   const MqttSpec spec_;
   const std::string site_;
   RecordDecoder decoder_;
+  // By bus and device: whether it was announced at the last device_status(). Empty: not published.
+  std::map<std::pair<std::string, std::string>, std::optional<bool>> devices_;
   // Topics of discovery, by bus and device: those of removed channels are cleared.
   std::map<std::pair<std::string, std::string>, std::set<std::string>> discovered_;
 };

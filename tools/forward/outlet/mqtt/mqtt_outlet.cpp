@@ -1,5 +1,6 @@
 #include "tools/forward/outlet/mqtt/mqtt_outlet.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "tools/forward/outlet/undecodable.hpp"
@@ -7,7 +8,8 @@
 namespace fieldcast::forward {
 
 MqttOutlet::MqttOutlet(const MqttSpec& spec, OutletContext context)
-    : messages_(spec, context.site, context.catalogue),
+    : is_announced_(context.is_announced),
+      messages_(spec, context.site, context.catalogue),
       session_(spec, "mqtt", context,
                {.will = [this] { return messages_.status(false); },
                 .received = [](const MqttMessage&) {}}) {}
@@ -17,8 +19,17 @@ MqttOutlet::~MqttOutlet() { session_.close(messages_.status(false), false); }
 bool MqttOutlet::is_ready(Instant now) {
   now_ = now;
   if (!session_.look(now)) return false;
-  if (std::exchange(announced_, session_.number()) == session_.number()) return true;
-  return session_.publish(messages_.status(true), std::nullopt, now);
+  const bool is_new = std::exchange(announced_, session_.number()) != session_.number();
+  if (is_new && !publish_all({messages_.status(true)})) return false;
+  if (!is_new && now < next_look_) return true;
+  next_look_ = now + kLook;
+  return publish_all(messages_.device_status(is_announced_, is_new));
+}
+
+bool MqttOutlet::publish_all(const std::vector<MqttMessage>& messages) {
+  return std::ranges::all_of(messages, [this](const MqttMessage& message) {
+    return session_.publish(message, std::nullopt, now_);
+  });
 }
 
 std::optional<std::size_t> MqttOutlet::send(const Record& record) {

@@ -19,10 +19,16 @@ class MqttOutlet final : public Outlet {
   [[nodiscard]] std::vector<OutletResult> take_results() override;
 
  private:
+  static constexpr Duration kLook = std::chrono::seconds{1};  // for devices without a bridge
+
+  [[nodiscard]] bool publish_all(const std::vector<MqttMessage>& messages);
+
+  const IsAnnounced is_announced_;
   MqttMessages messages_;
   MqttSession session_;
   std::uint64_t announced_ = 0;  // the connection on which "online" was sent
   Instant now_{};                // of the present turn
+  Instant next_look_{};
 };
 
 }  // namespace fieldcast::forward

@@ -103,8 +103,10 @@ void MqttSession::on_acknowledged(const MqttEvent& event, Instant now) {
     deliveries_.acknowledge(event.id, Outcome::kRefused, results_);
     return;
   }
-  reconnect(fmt::format("the server refuses a message: {}; check the rights of the user", reason),
-            now);
+  const std::string advice =
+      fmt::format("the server refuses a message: {}; check the rights of the user", reason);
+  if (deliveries_.has(event.id)) return reconnect(advice, now);
+  log_counted(LogLevel::kWarning, section_, "states that the server refuses", advice);
 }
 
 bool MqttSession::publish(const MqttMessage& message, std::optional<std::uint64_t> record,

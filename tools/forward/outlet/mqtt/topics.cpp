@@ -52,6 +52,11 @@ std::string status_topic(std::string_view prefix, std::string_view site) {
   return fmt::format("{}-status/{}", prefix, topic_level(site));
 }
 
+std::string device_status_topic(std::string_view prefix, std::string_view site,
+                                std::string_view bus, std::string_view device) {
+  return device_topic(fmt::format("{}-status", prefix), site, bus, device);
+}
+
 std::string site_topic(std::string_view prefix, std::string_view site) {
   return fmt::format("{}-site/{}", prefix, topic_level(site));
 }

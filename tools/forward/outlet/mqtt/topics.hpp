@@ -26,6 +26,9 @@ namespace fieldcast::forward {
                                           const Record& record);
 // "PREFIX-status/SITE": "online" or "offline".
 [[nodiscard]] std::string status_topic(std::string_view prefix, std::string_view site);
+// "PREFIX-status/SITE/BUS/DEVICE": the same for a device.
+[[nodiscard]] std::string device_status_topic(std::string_view prefix, std::string_view site,
+                                              std::string_view bus, std::string_view device);
 // "PREFIX-site/SITE".
 [[nodiscard]] std::string site_topic(std::string_view prefix, std::string_view site);
 
