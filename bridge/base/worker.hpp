@@ -28,26 +28,9 @@ class BoundedQueue {
   BoundedQueue& operator=(const BoundedQueue&) = delete;
 
   // Returns false if the queue is full or closed; the item then stays with the caller.
-  [[nodiscard]] bool try_put(Item& item) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (closed_ || items_.size() >= limit_) return false;
-      items_.push_back(std::move(item));
-    }
-    arrived_.notify_one();
-    return true;
-  }
-
+  [[nodiscard]] bool try_put(Item& item) { return try_insert(item, false); }
   // As try_put(), but the item is taken before all present ones.
-  [[nodiscard]] bool try_put_first(Item& item) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (closed_ || items_.size() >= limit_) return false;
-      items_.push_front(std::move(item));
-    }
-    arrived_.notify_one();
-    return true;
-  }
+  [[nodiscard]] bool try_put_first(Item& item) { return try_insert(item, true); }
 
   void put(Item item) {
     {
@@ -127,6 +110,16 @@ class BoundedQueue {
   }
 
  private:
+  bool try_insert(Item& item, bool first) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (closed_ || items_.size() >= limit_) return false;
+      first ? items_.push_front(std::move(item)) : items_.push_back(std::move(item));
+    }
+    arrived_.notify_one();
+    return true;
+  }
+
   std::deque<Item> all(std::unique_lock<std::mutex>& lock) {
     std::deque<Item> items = std::exchange(items_, {});
     lock.unlock();

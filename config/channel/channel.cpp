@@ -110,10 +110,11 @@ void check_hex(MapReader& map, const ChannelSpec& spec) {
   const ValueType type = spec.encoding.type;
   const unsigned least = is_float(type) ? width_bits(Encoding{.type = type}) / 4 : 1;
   if (spec.encoding.string_bytes >= least && spec.encoding.string_bytes <= kMostHex) return;
-  map.fault(map.has("text") ? "text" : "type",
+  const bool has_key = map.has("text");  // otherwise the declared place gives the form
+  map.fault(has_key ? "text" : "type",
             fmt::format("hex({}) does not spell a {}", spec.encoding.string_bytes,
                         fieldcast::to_text(type)),
-            fmt::format("hex({}) to hex({})", least, kMostHex));
+            has_key ? fmt::format("hex({}) to hex({})", least, kMostHex) : "an integer type");
 }
 
 // The key, or the declaration of the value, gives the format. check_type() checks the type.

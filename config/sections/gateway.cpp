@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "config/document/document.hpp"
 #include "config/document/limits.hpp"
@@ -240,13 +241,13 @@ void check_own_addresses(MapReader& map, const BusSpec& spec) {
   for (const DeviceSpec& device : spec.devices) {
     const auto [first, is_new] = units.emplace(device.link.address, device.name);
     if (!is_new || device.link.address > 0xFF)
-      return map.fault(
-          "listen",
-          is_new ? fmt::format("device '{}' has address {}, which is no unit of Modbus",
-                               device.name, device.link.address)
-                 : fmt::format("devices '{}' and '{}' have the same address, so the same unit",
-                               first->second, device.name),
-          "units: { 1: NAME OF A DEVICE, .. }");
+      return map.fault("listen",
+                       is_new
+                           ? fmt::format("device '{}' has address {}, which is no unit of Modbus",
+                                         device.name, device.link.address)
+                           : fmt::format("devices '{}' and '{}' would both be unit {}",
+                                         first->second, device.name, first->first),
+                       "units: { 1: NAME OF A DEVICE, .. }");
   }
 }
 
@@ -263,7 +264,7 @@ void read_gateway(MapReader& bus, BusSpec& spec) {
       !on_loopback(gateway.listen))
     map.fault("listen", "a gateway off the loopback, and no client is permitted",
               "clients: [10.0.7.0/24], or an address 127.0.0.1");
-  if (gateway.units.empty()) check_own_addresses(map, spec);
+  if (!map.has("units")) check_own_addresses(map, spec);
   const auto named = [&](const DeviceSpec& device) {
     return gateway.units.empty() || std::ranges::any_of(gateway.units, [&](const auto& unit) {
              return unit.second == device.name;

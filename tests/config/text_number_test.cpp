@@ -15,7 +15,8 @@ operations:
     read: state
     request: [{ constant: "R" }, { is: address }]
     answer: [{ constant: "A" }, { name: level, is: value, text: 7 },
-             { name: target, is: value, text: "+000.00" }, { name: unit, is: value, text: 3 }]
+             { name: target, is: value, text: "+000.00" }, { name: unit, is: value, text: 3 },
+             { name: code, is: value, text: hex(4) }]
 )";
 
 Loaded gauge(const std::string& channel) {
@@ -51,6 +52,9 @@ TEST(NumberOnText, ADeclaredTextCanBeTooShortForAFloatInHexadecimal) {
   EXPECT_EQ(gauge_faults("at: level, type: float32, text: hex"),
             "plant.yaml:4:44: hex(7) does not spell a float32; allowed: hex(8) to hex(18)\n");
   EXPECT_EQ(gauge_faults("at: level, type: uint32, text: hex"), "");
+  EXPECT_EQ(gauge_faults("at: code, type: float32"),
+            "plant.yaml:4:28: hex(4) does not spell a float32; allowed: an integer type\n");
+  EXPECT_EQ(gauge_faults("at: code, type: uint16"), "");
 }
 
 TEST(NumberOnText, AnyOtherTypeOnATextIsAFault) {

@@ -121,14 +121,13 @@ Bytes message_of(std::uint8_t address, const Request& request) {
       append(message, write->items);
   } else {
     const auto& read = std::get<ReadRequest>(request);
-    std::vector<Range> groups = read.ranges;
     if (is_split(read)) {
-      Range& first = groups.front();
-      const Range rest{kBit, first.first + kFirstPart, first.count - kFirstPart};
-      first.count = kFirstPart;
-      groups.push_back(rest);
+      const Range& whole = read.ranges.front();
+      append_group(message, {kBit, whole.first, kFirstPart});
+      append_group(message, {kBit, whole.first + kFirstPart, whole.count - kFirstPart});
+    } else {
+      for (const Range& range : read.ranges) append_group(message, range);
     }
-    for (const Range& group : groups) append_group(message, group);
   }
   append_crc16(message);
   return message;

@@ -33,20 +33,25 @@ BusSpec one_meter() {
 // Returns when the service has done all calls before this one, at the latest after 0.5 s.
 void settle(CaptureService& service) { service.remove_bus("none"); }
 
+// Only system calls, for a process after fork().
+bool connect_to(int socket, const std::string& name) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  return ::connect(socket, reinterpret_cast<sockaddr*>(&address), size) == 0;
+}
+
 class Client {
  public:
   explicit Client(CaptureService& service)
       : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const auto name = capture_socket_name(::geteuid(), std::string(kBridge), ::getpid());
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     const timeval limit{10, 0};
     ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     for (int i = 0; i < 20 && !connected_; ++i) {
       settle(service);  // it listens
-      connected_ = ::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), size) == 0;
+      connected_ = connect_to(socket_.get(), name);
     }
   }
   [[nodiscard]] bool connected() const { return connected_; }
@@ -162,14 +167,9 @@ TEST(CaptureServiceTest, AnotherUserIsRefused) {
   const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
   const pid_t child = ::fork();
   if (child == 0) {  // a process of another user: system calls only
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
     char answer[8] = {};
-    if (::setuid(65534) != 0 ||
-        ::connect(socket, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+    if (::setuid(65534) != 0 || !connect_to(socket, name) ||
         ::send(socket, "capture line\n", 13, 0) != 13 ||
         ::recv(socket, answer, 7, MSG_WAITALL) != 7)
       ::_exit(1);
@@ -192,15 +192,10 @@ TEST(CaptureServiceTest, RefusedUsersLeavePlacesFree) {
   const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
   const pid_t child = ::fork();
   if (child == 0) {  // a process of another user: system calls only
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     ::close(ended[1]);
     bool connected = ::setuid(65534) == 0;
     for (std::size_t i = 0; i < CaptureService::kMaxClients; ++i) {
-      const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
-      connected = connected && ::connect(socket, reinterpret_cast<sockaddr*>(&address), size) == 0;
+      connected = connected && connect_to(::socket(AF_UNIX, SOCK_STREAM, 0), name);
     }
     char byte = 0;
     const bool waited = ::write(ready[1], &byte, 1) == 1 && ::read(ended[0], &byte, 1) == 0;

@@ -19,6 +19,11 @@ bool is_refusal(long status) {
   return status == kBadRequest || status == kTooLarge || status == kUnprocessable;
 }
 
+// False without a known part.
+bool says(const std::string& reason, const std::string& part) {
+  return !part.empty() && reason.find(part) != std::string::npos;
+}
+
 std::string described(const HttpResponse& response) {
   constexpr long kUnauthorized = 401, kForbidden = 403;
   const bool is_login = response.status == kUnauthorized || response.status == kForbidden;
@@ -73,8 +78,7 @@ bool HttpOutlet::open() {
 
 HttpOutlet::Written HttpOutlet::test() {
   const Written written = write({});
-  const std::string& known = engine_.empty_refusal;
-  const bool is_known = !known.empty() && reason_.find(known) != std::string::npos;
+  const bool is_known = says(reason_, engine_.empty_refusal);
   return written == Written::kRefused && is_known ? Written::kYes : written;
 }
 
@@ -86,9 +90,8 @@ HttpOutlet::Written HttpOutlet::write(const std::string& body) {
   }
   if (is_success(response->status)) return Written::kYes;
   reason_ = described(*response);
-  const bool is_named =
-      !engine_.refusal.empty() && response->text.find(engine_.refusal) != std::string::npos;
-  return is_named || is_refusal(response->status) ? Written::kRefused : Written::kFailed;
+  const bool is_refused = is_refusal(response->status) || says(response->text, engine_.refusal);
+  return is_refused ? Written::kRefused : Written::kFailed;
 }
 
 std::optional<std::size_t> HttpOutlet::send(const Record& record) {
